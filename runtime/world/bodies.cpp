@@ -306,11 +306,26 @@ void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velo
   run_surface(world, body, velocity);
 }
 
+namespace {
+
+// Colliders refer to the geometry of the constants that the body has now: equal to what it had, and elsewhere in
+// memory.
+void refer_to_geometry(Stores& world, std::uint32_t body) {
+  const BodyConstants& constants = *world.records.constants[body];
+  world.colliders.for_each_of(body, [&](std::uint32_t collider) {
+    const CheckedCollider& part = constants.colliders[world.colliders.child[collider]];
+    world.colliders.shape.set(collider, part.in_frame_of(constants.centre).shape);
+  });
+}
+
+}  // namespace
+
 void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants) {
   BodyRecords& records = world.records;
   const bool takes_part = !world.quarantine.contains(body);
   if (takes_part) world.contents.count(world.bodies, records, body, -1);
   give_constants(world, body, records.pool.share(constants));
+  refer_to_geometry(world, body);
   if (takes_part) {
     world.contents.count(world.bodies, records, body, +1);
   } else {

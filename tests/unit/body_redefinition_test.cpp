@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "support/bodies.h"
 
@@ -103,6 +104,25 @@ TEST(BodyRedefinition, WhatADefinitionSaysAgainChangesNothing) {
     apart = std::max(apart, world.velocity(world.bodies()[4]).norm());
   }
   EXPECT_LT(apart, 1e-3) << "contacts were not found anew, without their impulses";
+}
+
+// The hull that the body had goes, and its memory is used again.
+TEST(BodyRedefinition, ItsShapeMayBeAnEqualOneElsewhereInMemory) {
+  const auto tetrahedron = [](double size) {
+    const Vector3 corners[] = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
+    return ConvexHull(corners);
+  };
+  World world;
+  const BodyId id = world.add_body({.shape = tetrahedron(1)});
+  for (const Axis axis : {Axis::X, Axis::Z}) {
+    change_definition(world, id, [&](BodyDef& def) {
+      def.shape = tetrahedron(1);
+      def.locks = MotionLocks::plane(axis);
+    });
+  }
+  std::vector<ConvexHull> others;
+  for (int i = 0; i < 20; ++i) others.push_back(tetrahedron(3));
+  EXPECT_TRUE(world.bounds(id).upper.isApprox(Vector3::Ones()));
 }
 
 TEST(BodyRedefinition, AJointIsIdleWhileNeitherOfItsBodiesIsDynamic) {
