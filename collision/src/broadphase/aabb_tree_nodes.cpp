@@ -1,5 +1,6 @@
 #include <collision/broadphase/aabb_tree_nodes.h>
 #include <jobs/append.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 
@@ -11,12 +12,15 @@ std::int32_t AabbTreeNodes::allocate() {
     return static_cast<std::int32_t>(nodes_.size()) - 1;
   }
   const std::int32_t node = free_;
+  ATL_ASSERT(node >= 0 && static_cast<std::size_t>(node) < nodes_.size(), node, nodes_.size());
   free_ = at(node).parent;
   at(node) = Node();
   return node;
 }
 
 void AabbTreeNodes::release(std::int32_t node) {
+  ATL_ASSERT(node >= 0 && static_cast<std::size_t>(node) < nodes_.size(), node, nodes_.size());
+  ATL_ASSERT(node != free_, node);
   at(node) = Node();
   at(node).parent = free_;
   free_ = node;
@@ -24,6 +28,8 @@ void AabbTreeNodes::release(std::int32_t node) {
 
 // Puts a child into a slot; none is the place of the root.
 void AabbTreeNodes::put(std::int32_t slot, std::int32_t child, const Aabb& box) {
+  ATL_ASSERT(child != Node::none, slot);
+  ATL_ASSERT(slot == Node::none || static_cast<std::size_t>(slot / 2) < nodes_.size(), slot, nodes_.size());
   if (slot == Node::none) {
     root_ = child;
   } else {
@@ -39,6 +45,7 @@ void AabbTreeNodes::put(std::int32_t slot, std::int32_t child, const Aabb& box) 
 
 // Walks down to the slot whose content grows least, in area, by getting the new leaf as its sibling.
 std::int32_t AabbTreeNodes::best_slot(const Aabb& box) const {
+  ATL_ASSERT(root_ != Node::none, root_);
   std::int32_t slot = Node::none;
   std::int32_t content = root_;
   Aabb around = at(root_).joined();
@@ -83,10 +90,13 @@ void AabbTreeNodes::insert(std::uint32_t item, const Aabb& box) {
 }
 
 void AabbTreeNodes::remove(std::uint32_t item) {
+  ATL_ASSERT(size_ > 0, item, size_);
+  ATL_ASSERT(item < slots_.size(), item, slots_.size());
   const std::int32_t slot = slots_[item];
   slots_[item] = Node::none;
   --size_;
   const std::int32_t node = slot / 2;
+  ATL_ASSERT(at(node).child[slot % 2] == leaf_of(item), item, slot, at(node).child[slot % 2]);
   at(node).clear(slot % 2);
   if (size_ == 0) {
     root_ = Node::none;
@@ -103,6 +113,7 @@ void AabbTreeNodes::remove(std::uint32_t item) {
 
 void AabbTreeNodes::set_box(std::uint32_t item, const Aabb& box) {
   const std::int32_t own = slots_[item];
+  ATL_ASSERT(at(own / 2).child[own % 2] == leaf_of(item), item, own, at(own / 2).child[own % 2]);
   at(own / 2).set_box(own % 2, box);
   // The boxes above follow, as far as they change.
   std::int32_t node = own / 2;
@@ -135,6 +146,7 @@ void AabbTreeNodes::balance(std::int32_t node) {
   if (difference >= -most_difference && difference <= most_difference) return;
   const int high = difference > 0 ? 0 : 1;
   const std::int32_t tall = at(node).child[high];
+  ATL_ASSERT(Node::is_node(tall), node, tall);
   const std::int32_t low = at(node).child[1 - high];
   const Aabb low_box = at(node).box(1 - high);
   const int higher = height_of(at(tall).child[0]) >= height_of(at(tall).child[1]) ? 0 : 1;
@@ -171,6 +183,7 @@ void AabbTreeNodes::rebuild(AabbTreeBuilder& builder, jobs::Arena* arena) {
   size_ = builder.leaves.size();
   builder.build(nodes_, slots_, arena);
   root_ = nodes_.empty() ? Node::none : 0;
+  ATL_ASSERT(nodes_.empty() == (size_ == 0), nodes_.size(), size_);
   free_ = Node::none;
 }
 

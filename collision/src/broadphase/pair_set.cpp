@@ -1,7 +1,9 @@
 #include <collision/broadphase/pair_set.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <utility>
 
@@ -31,6 +33,7 @@ void sort_pairs(std::vector<Pair>& pairs, std::vector<Pair>& scratch) {
 
 // Fibonacci hashing (Knuth, TAOCP 3, section 6.4): the high bits of a product by 2^64 over the golden ratio.
 std::size_t PairSet::home(std::uint64_t key) const {
+  ATL_ASSERT(std::has_single_bit(keys_.size()), keys_.size());
   key ^= key >> 29;
   return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15u) >> 20) & (keys_.size() - 1);
 }
@@ -46,6 +49,7 @@ bool PairSet::contains(Pair pair) const {
 void PairSet::drop_contained(std::vector<Pair>& pairs, std::size_t begin) const {
   if (keys_.empty()) return;
   constexpr std::size_t ahead = 16;
+  ATL_ASSERT(begin <= pairs.size(), begin, pairs.size());
   std::size_t kept = begin;
   for (std::size_t i = begin; i < pairs.size(); ++i) {
     if (i + ahead < pairs.size()) __builtin_prefetch(&keys_[home(pairs[i + ahead].key())]);
@@ -57,6 +61,8 @@ void PairSet::drop_contained(std::vector<Pair>& pairs, std::size_t begin) const 
 }
 
 void PairSet::insert(Pair pair) {
+  ATL_ASSERT(pair.first < pair.second, pair.first, pair.second);
+  ATL_ASSERT(!contains(pair), pair.first, pair.second);
   if (2 * (size_ + 1) > keys_.size()) grow();
   std::size_t slot = home(pair.key());
   while (keys_[slot] != vacant) slot = next(slot);
@@ -66,6 +72,7 @@ void PairSet::insert(Pair pair) {
 
 // Backward-shift deletion: later keys of the run move up, so no tombstones are left.
 void PairSet::erase(Pair pair) {
+  ATL_ASSERT(contains(pair), pair.first, pair.second, size_);
   std::size_t hole = home(pair.key());
   while (keys_[hole] != pair.key()) hole = next(hole);
   for (std::size_t slot = next(hole); keys_[slot] != vacant; slot = next(slot)) {
@@ -82,6 +89,7 @@ void PairSet::erase(Pair pair) {
 void PairSet::grow() {
   jobs::CompactArray<std::uint64_t> old(keys_.empty() ? 64 : 2 * keys_.size(), vacant);
   std::swap(old, keys_);
+  ATL_ASSERT(size_ <= keys_.size() / 2, size_, keys_.size());
   for (const std::uint64_t key : old) {
     if (key == vacant) continue;
     std::size_t slot = home(key);

@@ -1,5 +1,6 @@
 #include <collision/broadphase/proxies.h>
 #include <jobs/append.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 
@@ -7,6 +8,8 @@ namespace atl::collision {
 
 Proxies::Proxy& Proxies::claim(std::uint32_t shape, Kind kind) {
   if (shape >= proxies_.size()) jobs::append(proxies_, shape + std::size_t{1});
+  ATL_ASSERT(proxies_[shape].kind == Kind::Free, shape, static_cast<int>(proxies_[shape].kind));
+  ATL_ASSERT(kind != Kind::Free, shape);
   proxies_[shape].kind = kind;
   return proxies_[shape];
 }
@@ -24,6 +27,7 @@ void Proxies::add_half_space(std::uint32_t shape, const Plane& plane) {
 }
 
 void Proxies::remove(std::uint32_t shape) {
+  ATL_ASSERT(contains(shape), shape, proxies_.size());
   Proxy& proxy = proxies_[shape];
   if (proxy.kind == Kind::HalfSpace) {
     half_spaces_.erase(half_spaces_.begin() + static_cast<std::ptrdiff_t>(half_space_index(shape)));
@@ -34,12 +38,14 @@ void Proxies::remove(std::uint32_t shape) {
 }
 
 void Proxies::set_box(std::uint32_t shape, const Aabb& fat) {
+  ATL_ASSERT(contains(shape) && !is_half_space(shape), shape, proxies_.size());
   Proxy& proxy = proxies_[shape];
   proxy.fat = fat.known_or_nan();
   tree_of(proxy).move(shape, proxy.fat);
 }
 
 void Proxies::set_plane(std::uint32_t shape, const Plane& plane) {
+  ATL_ASSERT(contains(shape) && is_half_space(shape), shape, proxies_.size());
   half_spaces_[half_space_index(shape)].plane = plane;
 }
 
@@ -51,6 +57,7 @@ std::size_t Proxies::half_space_index(std::uint32_t shape) const {
 }
 
 bool Proxies::overlap(std::uint32_t a, std::uint32_t b) const {
+  ATL_ASSERT(contains(a) && contains(b), a, b, proxies_.size());
   const bool plane_a = is_half_space(a);
   const bool plane_b = is_half_space(b);
   if (!plane_a && !plane_b) return proxies_[a].fat.overlaps(proxies_[b].fat);

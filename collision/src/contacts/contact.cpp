@@ -1,4 +1,5 @@
 #include <collision/contacts/contact.h>
+#include <jobs/assert.h>
 
 #include <cmath>
 
@@ -13,6 +14,11 @@ Tangents tangents(const float normal[3]) {
 }
 
 void store_features(Contact& contact, const Manifold& manifold, const Pose& incident, double margin, float tolerance) {
+  ATL_ASSERT(manifold.count >= 0 && manifold.count <= max_points, manifold.count);
+  ATL_ASSERT(!(std::abs(manifold.normal.squaredNorm() - 1) > 1e-6), contact.pair.first, contact.pair.second,
+             manifold.normal.norm());
+  ATL_ASSERT(!(margin < 0), margin);
+  ATL_ASSERT(!(tolerance < 0), tolerance);
   contact.reference_is_second = manifold.reference_is_second;
   contact.axis = manifold.axis;
   contact.count = static_cast<std::uint8_t>(manifold.count);

@@ -1,4 +1,5 @@
 #include <collision/contacts/contact_cache.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 
@@ -19,6 +20,9 @@ void ContactCache::claim_body(std::uint32_t body) {
 // quarter, since contacts are most of a small world's memory. Large ones grow by more: frequent copies would show in
 // the longest step (`pile`: 27 ms instead of 18).
 void ContactCache::make_room_for(std::size_t count) {
+  ATL_ASSERT(free_slots_.size() <= contacts.size(), free_slots_.size(), contacts.size());
+  ATL_ASSERT(manifolds.size() == contacts.size(), manifolds.size(), contacts.size());
+  ATL_ASSERT(state_.size() == contacts.size(), state_.size(), contacts.size());
   const std::size_t needed = size() + count;
   if (needed <= contacts.capacity()) return;
   constexpr std::size_t few = 256;
@@ -43,6 +47,8 @@ std::uint32_t ContactCache::claim_slot() {
   } else {
     slot = free_slots_.back();
     free_slots_.pop_back();
+    ATL_ASSERT(slot < contacts.size(), slot, contacts.size());
+    ATL_ASSERT(state_[slot] == ContactState::Free, slot, static_cast<int>(state_[slot]));
   }
   contacts[slot] = Contact{};
   manifolds[slot] = ContactManifold{};
@@ -54,6 +60,7 @@ std::uint32_t ContactCache::claim_slot() {
 // Enters a contact in the lists of its bodies.
 void ContactCache::link(std::uint32_t slot) {
   const Contact& contact = contacts[slot];
+  ATL_ASSERT(contact.body_first != contact.body_second, slot, contact.body_first);
   claim_body(contact.body_first);
   claim_body(contact.body_second);
   of_body_.add(slot, contact.body_first, contact.body_second);
@@ -65,6 +72,7 @@ void ContactCache::link(std::uint32_t slot) {
 }
 
 void ContactCache::set_idle(std::uint32_t slot) {
+  ATL_ASSERT(slot < state_.size() && !is_active(contacts[slot]), slot, state_.size());
   state_[slot] = ContactState::Idle;
   idle_.note(slot);
 }
@@ -84,6 +92,8 @@ void ContactCache::release_all(std::span<const std::uint32_t> slots) {
 
 // Gives up a slot, but for its place in the order.
 void ContactCache::release(std::uint32_t slot) {
+  ATL_ASSERT(slot < contacts.size(), slot, contacts.size());
+  ATL_ASSERT(state_[slot] != ContactState::Free, slot);
   of_body_.remove(slot, contacts[slot].body_first, contacts[slot].body_second);
   if (contacts[slot].part == 0) pairs.erase(contacts[slot].pair);
   state_[slot] = ContactState::Free;

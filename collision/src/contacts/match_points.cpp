@@ -1,9 +1,11 @@
 #include <collision/contacts/match_points.h>
+#include <jobs/assert.h>
 
 namespace atl::collision {
 
 OldPoints OldPoints::of(const Contact& contact, const ContactManifold& manifold) {
   OldPoints old;
+  ATL_ASSERT(contact.count <= max_points, contact.pair.first, contact.pair.second, contact.count);
   old.count = contact.count;
   old.ids = contact.ids;
   old.reference_is_second = contact.reference_is_second;
@@ -18,6 +20,9 @@ OldPoints OldPoints::of(const Contact& contact, const ContactManifold& manifold)
 
 PointMatches match_points(const OldPoints& old, const Manifold& recomputed, double reach, ContactManifold& manifold) {
   PointMatches matches;
+  ATL_ASSERT(old.count >= 0 && old.count <= max_points, old.count);
+  ATL_ASSERT(recomputed.count >= 0 && recomputed.count <= max_points, recomputed.count);
+  ATL_ASSERT(!(reach < 0), reach);
   std::array<bool, max_points> taken = {};
   std::array<bool, max_points> matched = {};
   const auto count = static_cast<std::size_t>(recomputed.count);

@@ -1,4 +1,5 @@
 #include <collision/narrowphase/manifold.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +13,8 @@ namespace {
 // points that are equally good, rounding doesn't choose.
 template <typename Score>
 int best_point(int count, double tolerance, const Score& score) {
+  ATL_ASSERT(count > 0 && count <= max_points_to_reduce, count);
+  ATL_ASSERT(!(tolerance < 0), tolerance);
   std::array<double, max_points_to_reduce> scores;
   double most = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < count; ++i) {
@@ -27,6 +30,7 @@ int best_point(int count, double tolerance, const Score& score) {
 }  // namespace
 
 Manifold as_last(const Manifold& found) {
+  ATL_ASSERT(found.count >= 0 && found.count <= max_points, found.count);
   Manifold last;
   last.axis = found.axis;
   last.known = found.count > 0;
@@ -39,6 +43,7 @@ Manifold as_last(const Manifold& found) {
 }
 
 void reduce_points(const Manifold::Point* points, int count, Manifold& manifold) {
+  ATL_ASSERT(count >= 0, count);
   manifold.count = 0;
   count = std::min(count, max_points_to_reduce);
   const auto keep = [&](int i) { manifold.add(points[i].position, points[i].separation, points[i].id); };
