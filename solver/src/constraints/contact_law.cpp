@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/contact_law.h>
 
 #include <algorithm>
@@ -14,9 +15,11 @@ double length(const Two& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1]); }
 // was.
 bool hold_in_disc(const Two& speed, double stiffness, double bound, Two& impulse) {
   impulse = {-stiffness * speed[0], -stiffness * speed[1]};
+  ATL_ASSERT(!(stiffness < 0) && !(bound < 0), stiffness, bound);
   const double wanted = length(impulse);
   if (!(wanted > bound)) return false;
   for (double& of_axis : impulse) of_axis *= bound / wanted;
+  ATL_ASSERT(!(length(impulse) > bound * (1 + 1e-12)), length(impulse), bound);
   return true;
 }
 
@@ -34,11 +37,16 @@ void add_turning(std::array<Six, 6>& k, int axis, const Two& speed, double bound
 }  // namespace
 
 ContactAnswer ContactLaw::answer(const Six& motion) const {
+  ATL_ASSERT(points >= 0 && points <= 4, points);
+  ATL_ASSERT(!(friction_bound < 0), friction_bound);
+  ATL_ASSERT(!(torsional_bound < 0), torsional_bound);
+  ATL_ASSERT(!(friction_stiffness < 0) && !(torsional_stiffness < 0), friction_stiffness, torsional_stiffness);
   ContactAnswer answer;
   for (int i = 0; i < points; ++i) {
     const double closing = speed(i, motion) + bias[i];
     if (!(closing < 0)) continue;
     answer.normal[i] = -stiffness[i] * closing;
+    ATL_ASSERT(!(answer.normal[i] < 0), i, answer.normal[i], stiffness[i], closing);
     answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
   }
   const Two slides = sliding(motion);

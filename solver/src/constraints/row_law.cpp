@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/row_law.h>
 #include <solver/constraints/spring_step.h>
 #include <solver/tuning.h>
@@ -34,6 +35,7 @@ bool is_behind(double behind, double rate) { return std::abs(behind) > tuning::m
 }  // namespace
 
 LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {
+  ATL_ASSERT(mass > 0, mass);
   const double omega = 2 * std::numbers::pi * law.spring_hertz;
   const double part = std::min(1.0, share * share);
   return {.square_of_omega = part * omega * omega + law.stiffness / mass,
@@ -42,6 +44,7 @@ LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {
 }
 
 LinearForce LinearForce::of_servo(const Law& law, double mass, double share) {
+  ATL_ASSERT(mass > 0, mass);
   return {.square_of_omega = law.servo_stiffness / mass,
           .decay = law.servo_damping / mass,
           .rest = law.servo_target,
@@ -80,6 +83,8 @@ LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass,
 }
 
 RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance) {
+  ATL_ASSERT(h > 0, h);
+  ATL_ASSERT(!(compliance < 0), compliance);
   const double effective_mass = mass.alone;
   RowLaw row;
   row.stiffness = compliance > 0 ? effective_mass / compliance : 0;
@@ -91,6 +96,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   row.motor_speed = at.share * law.motor_speed;
   row.motor_impulse = h * law.motor_force;
   row.friction_impulse = h * law.friction;
+  ATL_ASSERT(!(row.motor_impulse < 0) && !(row.friction_impulse < 0), row.motor_impulse, row.friction_impulse);
   if (compliance > 0) {
     row.soften_motor(effective_mass);
     row.soften_friction(effective_mass);
@@ -197,6 +203,7 @@ void RowLaw::soften_friction(double effective_mass) {
 // Newton's method, with steps kept between rates that are known to be too low and too high. It ends soon, since the law
 // is piecewise linear with few pieces.
 double RowLaw::rate_from(double free, double response) const {
+  ATL_ASSERT(!(response < 0), response);
   constexpr int most_rounds = 60;
   double low = -unlimited_rate, high = unlimited_rate, rate = free;
   for (int round = 0; round < most_rounds; ++round) {
@@ -210,6 +217,8 @@ double RowLaw::rate_from(double free, double response) const {
 }
 
 LimitImpact LimitImpact::of(const Law& law, double position, double rate, double free_rate, double h) {
+  ATL_ASSERT(h > 0, h);
+  ATL_ASSERT(!(law.lower > law.upper), law.lower, law.upper);
   const double there = position + h * free_rate;
   const int end = there < law.lower ? -1 : there > law.upper ? 1 : 0;
   if (end == 0) return {};

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/spring_step.h>
 #include <solver/integrate/trigonometry.h>
 
@@ -10,6 +11,8 @@ namespace atl::solver {
 // the roots of s^2 - decay s + omega^2. The map u1 = (1 - d) u - p x, x1 = x + h u1 has the same eigenvalues if d = 1 -
 // exp(-(a + b) h) and p h = (1 - exp(-a h)) (1 - exp(-b h)).
 SpringStep SpringStep::of(double omega, double decay, double h) {
+  ATL_ASSERT(h > 0, h);
+  ATL_ASSERT(!(omega < 0) && !(decay < 0), omega, decay);
   const double phase = omega * h;
   const double half = std::max(0.5 * decay * h, std::sqrt(std::max(phase * phase - most_phase * most_phase, 0.0)));
   const double lost = -exponential_less_one(-2 * half);  // d

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/tendon.h>
 
 namespace atl::solver {
@@ -22,9 +23,11 @@ TermRow term_row(const TendonTerm& term, const Joint& joint, const BodyPose& fir
 TendonNow tendon_now(const Joint& tendon, const Joint* joints, const BodyTable& bodies) {
   const auto pose_of = [&](std::uint32_t body) { return BodyPose{bodies.position(body), bodies.orientation(body)}; };
   TendonNow now;
+  ATL_ASSERT(tendon.is_tendon() && tendon.terms <= tendon.term.size(), tendon.terms, tendon.term.size());
   for (std::size_t i = 0; i < tendon.terms; ++i) {
     const TendonTerm& term = tendon.term[i];
     const Joint& of = joints[term.joint];
+    ATL_ASSERT(!of.is_tendon() && of.first != of.second, term.joint, of.first, of.second);
     const TermRow row = term_row(term, of, pose_of(of.first), pose_of(of.second), term.position);
     now.length += row.value;
     now.rate += row.slope * row.at.rate(bodies.velocity(of.first), bodies.angular_velocity(of.first),

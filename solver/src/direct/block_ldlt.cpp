@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/block_ldlt.h>
 
 #include <algorithm>
@@ -164,6 +165,7 @@ bool BlockLdlt::analyse(std::span<const std::uint8_t> sizes,
 
   common_size_ = count == 0 ? 0 : sizes.front();
   for (const std::uint8_t size : sizes) {
+    ATL_ASSERT(size >= 1 && size <= max_size, size);
     row_.push_back(row_.back() + size);
     if (size != common_size_) common_size_ = 0;
   }
@@ -190,11 +192,13 @@ bool BlockLdlt::analyse(std::span<const std::uint8_t> sizes,
   for (std::size_t rank = 0; rank < count; ++rank) {
     for (std::size_t i = elimination.start[rank]; i < elimination.start[rank + 1]; ++i) {
       const std::uint32_t first = elimination.later[i];
+      ATL_ASSERT(first > rank && first < count, rank, first, count);
       below_[i].diagonal = columns_[first].diagonal;
       // Whatever is coupled with both is also under the first, in the same order.
       std::size_t at = elimination.start[first];
       for (std::size_t k = i + 1; k < elimination.start[rank + 1]; ++k, ++at) {
         while (elimination.later[at] != elimination.later[k]) ++at;
+        ATL_ASSERT(at < elimination.start[first + 1], rank, first, at, elimination.start[first + 1]);
         coupled_.push_back(below_[at].values);
       }
     }

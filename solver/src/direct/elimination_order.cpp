@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/elimination_order.h>
 
 #include <algorithm>
@@ -14,6 +15,8 @@ class Queue {
       : head_(nodes, none), tail_(nodes, none), next_(nodes, none), previous_(nodes, none) {}
 
   void push(std::uint32_t node, std::size_t degree) {
+    ATL_ASSERT(node < next_.size(), node, next_.size());
+    ATL_ASSERT(degree < head_.size(), node, degree, head_.size());
     const std::uint32_t last = tail_[degree];
     previous_[node] = last;
     next_[node] = none;
@@ -23,6 +26,8 @@ class Queue {
   }
 
   void remove(std::uint32_t node, std::size_t degree) {
+    ATL_ASSERT(node < next_.size(), node, next_.size());
+    ATL_ASSERT(degree < head_.size() && head_[degree] != none, node, degree);
     const std::uint32_t before = previous_[node];
     const std::uint32_t after = next_[node];
     (before == none ? head_[degree] : next_[before]) = after;
@@ -32,6 +37,7 @@ class Queue {
   // There is one.
   std::uint32_t front() {
     while (head_[least_] == none) ++least_;
+    ATL_ASSERT(least_ < head_.size(), least_, head_.size());
     return head_[least_];
   }
 
@@ -81,6 +87,8 @@ class Graph {
   void inherit(std::uint32_t node, std::uint32_t eliminated, std::span<const std::uint32_t> clique) {
     merged_.clear();
     const auto mine = neighbours(node);
+    ATL_ASSERT(std::binary_search(mine.begin(), mine.end(), eliminated), node, eliminated);
+    ATL_ASSERT(std::binary_search(clique.begin(), clique.end(), node), node, clique.size());
     auto at = mine.begin();
     for (const std::uint32_t other : clique) {
       for (; at != mine.end() && *at < other; ++at) {
@@ -101,6 +109,7 @@ class Graph {
     ends_ += merged_.size();
     ends_ -= list.count;
     list.count = merged_.size();
+    ATL_ASSERT(list.begin + list.count <= pool_.size(), node, list.begin, list.count, pool_.size());
     std::copy(merged_.begin(), merged_.end(), pool_.begin() + static_cast<std::ptrdiff_t>(list.begin));
   }
 
@@ -142,6 +151,7 @@ EliminationOrder least_degree_order(std::size_t nodes,
   std::vector<std::uint32_t> clique;
   for (std::size_t left = nodes; left > 0; --left) {
     const std::uint32_t node = queue.front();
+    ATL_ASSERT(graph.degree(node) < left, node, graph.degree(node), left);
     const auto neighbours = graph.neighbours(node);
     clique.assign(neighbours.begin(), neighbours.end());
     result.later.insert(result.later.end(), clique.begin(), clique.end());
@@ -166,7 +176,14 @@ EliminationOrder least_degree_order(std::size_t nodes,
   }
 
   for (std::uint32_t& node : result.later) node = result.rank[node];
+  ATL_ASSERT(result.order.size() == nodes, result.order.size(), nodes);
+  ATL_ASSERT(result.start.size() == nodes + 1, result.start.size(), nodes);
+  ATL_ASSERT(result.start.back() == result.later.size(), result.start.back(), result.later.size());
+  ATL_ASSERT(result.later.size() <= most, result.later.size(), most);
   for (std::size_t column = 0; column < nodes; ++column) {
+    ATL_ASSERT(result.rank[result.order[column]] == column, column, result.order[column]);
+    ATL_ASSERT(result.start[column] <= result.start[column + 1], column, result.start[column],
+               result.start[column + 1]);
     std::sort(result.later.begin() + static_cast<std::ptrdiff_t>(result.start[column]),
               result.later.begin() + static_cast<std::ptrdiff_t>(result.start[column + 1]));
   }

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/integrate/trigonometry.h>
@@ -53,6 +54,7 @@ struct RotationSteps {
   // than a dozen times, what a turn makes of the spin about the least counts for more: a needle's grows by its whole
   // momentum over that moment.
   RotationSteps(const Vector3& moments, const Vector3& spin, double dt) {
+    ATL_ASSERT(moments.minCoeff() > 0, moments.x(), moments.y(), moments.z());
     constexpr double ordinary = 16;
     constexpr double most = 4096;
     const double ratio = moments.maxCoeff() / moments.minCoeff();
@@ -147,6 +149,7 @@ void turn_back(BodyTable& bodies, std::uint32_t body, const Quaternion& orientat
 }
 
 SplitTop::SplitTop(const Vector3& moments, const Quaternion& principal) : principal_(principal) {
+  ATL_ASSERT(moments.minCoeff() > 0, moments.x(), moments.y(), moments.z());
   const Vector3 inverse = moments.cwiseInverse();
   // The axis of the top is that whose moment differs most from the nearer of the others.
   double most = -1;
@@ -197,6 +200,8 @@ void SplitTop::turn(const Matrix3& inverse_inertia, const Vector3& momentum, dou
 
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
                     collision::MotionBounds& bounds, FastBodies& fast) {
+  ATL_ASSERT(dt > 0 && substeps >= 1, body, dt, substeps);
+  ATL_ASSERT(bodies.mobility[body] == Mobility::Dynamic, body, static_cast<int>(bodies.mobility[body]));
   const BodyPose start{bodies.position(body), bodies.orientation(body)};
   move_linear(bodies, body, linear_acceleration(bodies, body, gravity), dt, substeps);
   if (bodies.gyroscopic[body]) {
@@ -215,6 +220,8 @@ BodyPose pose_after(const BodyTable& bodies, std::uint32_t body, double time) {
 
 void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, collision::MotionBounds& bounds,
                          FastBodies& fast) {
+  ATL_ASSERT(dt > 0, body, dt);
+  ATL_ASSERT(bodies.mobility[body] == Mobility::Kinematic, body, static_cast<int>(bodies.mobility[body]));
   const BodyPose start{bodies.position(body), bodies.orientation(body)};
   const BodyPose end = pose_after(bodies, body, dt);
   bodies.position(body) = end.position;

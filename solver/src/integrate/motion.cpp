@@ -1,5 +1,6 @@
 #include <features/with_continuous.h>
 #include <features/with_joints.h>
+#include <jobs/assert.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/state_bounds.h>
 
@@ -21,11 +22,13 @@ double kinetic_energy(const BodyTable& bodies, std::span<const std::uint32_t> of
 
 void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy, double rotors) {
   Vector3 kept = Vector3::Zero();  // m/s
+  ATL_ASSERT(!(energy < 0) && !(rotors < 0), energy, rotors);
   double theirs = kinetic_energy(bodies, of) + rotors;
   if (momentum == Momentum::Keep) {
     double mass = 0;
     for (const std::uint32_t body : of) {
       mass += 1 / bodies.inverse_mass[body];
+      ATL_ASSERT(bodies.inverse_mass[body] > 0, body, bodies.inverse_mass[body]);
       kept += bodies.velocity(body) / bodies.inverse_mass[body];
     }
     kept *= 1 / mass;
@@ -48,6 +51,8 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
 void note_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
                  double dt, MovedBodies& notes) {
   const double radius = bodies.radius[body];
+  ATL_ASSERT(dt > 0, body, dt);
+  ATL_ASSERT(!(radius < 0), body, radius);
   const double chord = turn_chord(start.orientation, bodies.orientation(body));
   const double moved = (bodies.position(body) - start.position).norm() + radius * chord;
   bodies.turned[body] += chord;

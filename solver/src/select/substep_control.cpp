@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/select/substep_control.h>
 #include <solver/tuning.h>
 
@@ -48,6 +49,7 @@ const SubstepControl::History& SubstepControl::history(std::uint32_t body) const
 }
 
 void SubstepControl::restore_history(std::uint32_t body, std::size_t bodies, const History& history) {
+  ATL_ASSERT(body < bodies, body, bodies);
   history_.resize(bodies);
   history_[body] = history;
 }
@@ -55,6 +57,8 @@ void SubstepControl::restore_history(std::uint32_t body, std::size_t bodies, con
 std::span<const SubstepControl::Island> SubstepControl::choose(const ErrorInput& input, const ErrorTarget& target,
                                                                jobs::Arena& arena) {
   history_.resize(input.bodies.size());
+  ATL_ASSERT(target.least_substeps >= 1 && target.least_substeps <= target.most_substeps, target.least_substeps,
+             target.most_substeps);
   substeps_.assign(input.bodies.size(), 0);
   const Islands& islands = input.islands;
   islands_.resize(islands.count());
@@ -101,6 +105,7 @@ void SubstepControl::measure(const ErrorInput& input, const ErrorTarget& target,
 ErrorNeed SubstepControl::overlap_of_large(const ErrorInput& input, const ErrorTarget& target, std::size_t island,
                                            jobs::Arena& arena) {
   const std::span<const TouchingPair> contacts = input.islands.contacts(island, island + 1);
+  ATL_ASSERT(contacts.size() >= large, island, contacts.size());
   counts_.assign(jobs::Arena::chunk_count(contacts.size(), part), {});
   arena.parallel_for(contacts.size(), part, [&](std::size_t begin, std::size_t end) {
     for (std::size_t at = begin; at < end; at += part) {
@@ -132,6 +137,9 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   now.substeps = allowed(now.substeps);
 
   const Needs& needs = needs_[island];
+  ATL_ASSERT(now.substeps >= 1, island, now.substeps);
+  ATL_ASSERT(needs.overlap.substeps >= 0 && needs.gap.substeps >= 0, island, needs.overlap.substeps,
+             needs.gap.substeps);
   const int found = std::max(needs.overlap.substeps, needs.gap.substeps);
   // Each change disturbs a residual: fewer are tried seldom, and one rung after the other.
   const bool for_residual = target.residual < ErrorTarget::none;
@@ -179,6 +187,7 @@ void SubstepControl::note(const ErrorInput& input, const ErrorTarget& target, st
 void SubstepControl::note_residuals(const ErrorInput& input, const ErrorTarget& target,
                                     std::span<const double> residuals) {
   const Islands& islands = input.islands;
+  ATL_ASSERT(residuals.empty() || residuals.size() == islands.count(), residuals.size(), islands.count());
   for (std::size_t island = 0; island < islands.count() && !residuals.empty(); ++island) {
     if (!(residuals[island] > target.residual)) continue;
     misses_.push_back({static_cast<std::uint32_t>(island), Error::Residual, residuals[island]});
@@ -194,6 +203,7 @@ void SubstepControl::note_motion(const ErrorInput& input, const ErrorTarget& tar
   const double step = input.dt * input.parts;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const int substeps = islands_[island].substeps;
+    ATL_ASSERT(substeps >= 1, island, substeps);
     ErrorCounts counts;
     double largest = 0;
     for (const std::uint32_t body : islands.bodies(island, island + 1)) {
