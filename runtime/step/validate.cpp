@@ -43,33 +43,53 @@ void validate_motion(const Stores& world, std::uint32_t body) {
   ATL_ASSERT(bodies.velocity(body).allFinite(), body, bodies.velocity(body).norm());
   ATL_ASSERT(bodies.angular_velocity(body).allFinite(), body, bodies.angular_velocity(body).norm());
   ATL_ASSERT(bodies.turned[body] >= 0, body, bodies.turned[body]);
+  ATL_ASSERT(bodies.radius[body] >= 0, body, bodies.radius[body]);
+  ATL_ASSERT(bodies.linear_damping[body] >= 0 && bodies.angular_damping[body] >= 0, body, bodies.linear_damping[body],
+             bodies.angular_damping[body]);
 }
 
 void validate_bodies(const Stores& world) {
   const BodyRecords& records = world.records;
   const std::size_t count = world.bodies.size();
   ATL_ASSERT(records.alive.size() == count, records.alive.size(), count);
+  ATL_ASSERT(records.generation.size() == count, records.generation.size(), count);
+  ATL_ASSERT(records.type.size() == count, records.type.size(), count);
+  ATL_ASSERT(records.dynamic.size() == count, records.dynamic.size(), count);
+  ATL_ASSERT(records.continuous.size() == count, records.continuous.size(), count);
+  ATL_ASSERT(records.sensor.size() == count, records.sensor.size(), count);
+  ATL_ASSERT(records.user_data.size() == count, records.user_data.size(), count);
+  ATL_ASSERT(records.constants.size() == count, records.constants.size(), count);
   ATL_ASSERT(world.sleeping.awake.size() == count, world.sleeping.awake.size(), count);
   std::size_t alive = 0;
   for (std::uint32_t body = 0; body < count; ++body) {
     if (!records.alive[body]) continue;
     ++alive;
     ATL_ASSERT(records.constants[body] != nullptr, body);
+    ATL_ASSERT(!records.dynamic[body] || records.type[body] == BodyType::Dynamic, body,
+               static_cast<int>(records.type[body]));
     if (world.quarantine.contains(body)) continue;  // it may have any state, and counts as fixed
     validate_mass(world.bodies, body);
     validate_motion(world, body);
   }
   ATL_ASSERT(alive == records.count, alive, records.count);
   ATL_ASSERT(alive + records.free.size() == count, alive, records.free.size(), count);
+  for (const std::uint32_t body : records.free) {
+    ATL_ASSERT(body < count && !records.alive[body], body, count);
+  }
 }
 
 // Sleeping islands are rings, so every body of one has exactly one before it.
 void validate_sleeping(const Stores& world) {
   const Sleeping& sleeping = world.sleeping;
+  ATL_ASSERT(sleeping.rest_time.size() == world.bodies.size(), sleeping.rest_time.size(), world.bodies.size());
+  ATL_ASSERT(sleeping.ring.size() == world.bodies.size(), sleeping.ring.size(), world.bodies.size());
+  ATL_ASSERT(sleeping.reported_asleep.size() == world.bodies.size(), sleeping.reported_asleep.size(),
+             world.bodies.size());
   std::vector<std::uint8_t> has_one_before(sleeping.ring.size(), 0);
   std::int64_t asleep = 0;
   for (std::uint32_t body = 0; body < sleeping.ring.size(); ++body) {
     const std::uint32_t next = sleeping.ring[body];
+    ATL_ASSERT(sleeping.rest_time[body] >= 0, body, sleeping.rest_time[body]);
     if (next == none) continue;
     ++asleep;
     ATL_ASSERT(next < sleeping.ring.size(), body, next);
@@ -85,6 +105,14 @@ void validate_sleeping(const Stores& world) {
 
 void validate_colliders(const Stores& world) {
   const collision::ColliderTable& colliders = world.colliders;
+  ATL_ASSERT(colliders.child.size() == colliders.size(), colliders.child.size(), colliders.size());
+  ATL_ASSERT(colliders.next.size() == colliders.size(), colliders.next.size(), colliders.size());
+  ATL_ASSERT(colliders.has_local_offset.size() == colliders.size(), colliders.has_local_offset.size(),
+             colliders.size());
+  ATL_ASSERT(colliders.first.size() == world.bodies.size(), colliders.first.size(), world.bodies.size());
+  for (const std::uint32_t collider : colliders.free) {
+    ATL_ASSERT(collider < colliders.size() && colliders.body[collider] == none, collider, colliders.size());
+  }
   std::size_t in_use = 0;
   for (std::uint32_t collider = 0; collider < colliders.size(); ++collider) {
     const std::uint32_t body = colliders.body[collider];
@@ -102,6 +130,7 @@ void validate_manifold(const collision::Contact& contact, const collision::Conta
   ATL_ASSERT(contact.count <= collision::max_points, slot, contact.count);
   ATL_ASSERT(manifold.friction >= 0 && manifold.restitution >= 0, slot, manifold.friction, manifold.restitution);
   if (contact.count == 0) return;
+  ATL_ASSERT(manifold.friction_radius >= 0, slot, manifold.friction_radius);
   const double length = std::hypot(manifold.normal[0], manifold.normal[1], manifold.normal[2]);
   ATL_ASSERT(std::abs(length - 1) < float_rounding, slot, length);
   for (std::size_t i = 0; i < contact.count; ++i) {
@@ -110,6 +139,7 @@ void validate_manifold(const collision::Contact& contact, const collision::Conta
   }
   for (std::size_t i = contact.count; i < collision::max_points; ++i) {
     ATL_ASSERT(manifold.normal_impulse[i] == 0, slot, i, manifold.normal_impulse[i]);
+    ATL_ASSERT(contact.points[i][3] == collision::no_point, slot, i, contact.points[i][3]);
   }
 }
 
@@ -123,6 +153,7 @@ void validate_contacts(const Stores& world) {
     ATL_ASSERT(slot < cache.contacts.size(), slot, cache.contacts.size());
     const collision::Contact& contact = cache.contacts[slot];
     const collision::Pair pair = contact.pair;
+    ATL_ASSERT(pair.second < world.colliders.size(), slot, pair.second, world.colliders.size());
     ATL_ASSERT(pair.first < pair.second, slot, pair.first, pair.second);
     ATL_ASSERT(world.colliders.body[pair.first] == contact.body_first, slot, pair.first, contact.body_first);
     ATL_ASSERT(world.colliders.body[pair.second] == contact.body_second, slot, pair.second, contact.body_second);
@@ -140,14 +171,32 @@ void validate_contacts(const Stores& world) {
 
 void validate_joints(const Stores& world) {
   const JointTable& joints = world.joints;
+  ATL_ASSERT(joints.def.size() == joints.size(), joints.def.size(), joints.size());
+  ATL_ASSERT(joints.generation.size() == joints.size(), joints.generation.size(), joints.size());
+  ATL_ASSERT(joints.alive.size() == joints.size(), joints.alive.size(), joints.size());
+  ATL_ASSERT(joints.enabled.size() == joints.size(), joints.enabled.size(), joints.size());
+  ATL_ASSERT(joints.broken.size() == joints.size(), joints.broken.size(), joints.size());
+  ATL_ASSERT(joints.suspended.size() == joints.size(), joints.suspended.size(), joints.size());
+  ATL_ASSERT(joints.acts.size() == joints.size(), joints.acts.size(), joints.size());
+  ATL_ASSERT(joints.watched.size() == joints.size(), joints.watched.size(), joints.size());
+  ATL_ASSERT(joints.driven.size() == joints.size(), joints.driven.size(), joints.size());
+  ATL_ASSERT(joints.limit_before.size() == joints.size(), joints.limit_before.size(), joints.size());
+  for (const std::uint32_t joint : joints.free) {
+    ATL_ASSERT(joint < joints.size() && !joints.alive[joint], joint, joints.size());
+  }
   std::size_t alive = 0;
   for (std::uint32_t joint = 0; joint < joints.size(); ++joint) {
     ATL_ASSERT(joints.alive[joint] || !joints.acts[joint], joint);
+    ATL_ASSERT(joints.acts[joint] || !(joints.watched[joint] || joints.driven[joint]), joint);
+    ATL_ASSERT(joints.def[joint] != nullptr, joint);
+    ATL_ASSERT(!(joints.acts[joint] && (joints.broken[joint] || joints.suspended[joint] > 0)), joint,
+               joints.suspended[joint]);
     if (!joints.alive[joint]) continue;
     ++alive;
     const solver::Joint& of = joints.joints[joint];
     ATL_ASSERT(!(joints.enabled[joint] && joints.broken[joint]), joint);
     ATL_ASSERT(of.rows <= solver::max_joint_rows, joint, of.rows);
+    ATL_ASSERT(of.terms <= of.term.size(), joint, of.terms);
     for (std::size_t i = 0; i < of.terms; ++i) {
       ATL_ASSERT(of.term[i].joint < joints.size() && joints.alive[of.term[i].joint], joint, i, of.term[i].joint);
     }

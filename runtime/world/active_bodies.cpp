@@ -1,5 +1,7 @@
 #include "world/active_bodies.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 
 namespace atl {
@@ -15,6 +17,8 @@ void ActiveBodies::apply_changes() {
   while (started_left > 0) {
     const std::uint32_t started = started_[started_left - 1];
     const bool old_is_later = old_left > 0 && started < bodies_[old_left - 1];
+    ATL_ASSERT(old_left == 0 || started != bodies_[old_left - 1], started, old_left);
+    ATL_ASSERT(started < active_.size() && contains(started), started, active_.size());
     bodies_[old_left + started_left - 1] = old_is_later ? bodies_[old_left - 1] : started;
     --(old_is_later ? old_left : started_left);
   }

@@ -3,6 +3,7 @@
 #include <collision/narrowphase/surface_contacts.h>
 #include <jobs/append.h>
 #include <jobs/arrays.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <utility>
@@ -22,6 +23,7 @@ solver::Mobility mobility_of(BodyType type) {
 }
 
 void BodyRecords::resize(std::size_t bodies) {
+  ATL_ASSERT(bodies >= alive.size(), bodies, alive.size());
   jobs::append(generation, bodies, std::uint32_t{0});
   jobs::append(alive, bodies, std::uint8_t{0});
   jobs::append(type, bodies, BodyType::Static);
@@ -47,6 +49,7 @@ void forget_other(std::map<std::uint32_t, std::vector<std::uint32_t>>& pairs, st
 }  // namespace
 
 void BodyRecords::disable_pair(std::uint32_t first, std::uint32_t second) {
+  ATL_ASSERT(first != second, first);
   for (const auto& [body, other] : {std::pair{first, second}, std::pair{second, first}}) {
     std::vector<std::uint32_t>& others = disabled_pairs[body];
     const auto place = std::lower_bound(others.begin(), others.end(), other);

@@ -1,5 +1,7 @@
 #include "world/joint_table.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 
 namespace atl {
@@ -14,6 +16,7 @@ const std::shared_ptr<const JointDef>& no_definition() {
 }  // namespace
 
 void JointTable::resize(std::size_t count_of_all) {
+  ATL_ASSERT(count_of_all >= size(), count_of_all, size());
   joints.resize(count_of_all);
   def.resize(count_of_all, no_definition());
   generation.resize(count_of_all, 0);
@@ -53,6 +56,7 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
     free.pop_back();
   }
   joints[index] = joint;
+  ATL_ASSERT(index < size() && !alive[index], index, size());
   def[index] = std::make_shared<const JointDef>(definition);
   alive[index] = enabled[index] = 1;
   broken[index] = suspended[index] = 0;
@@ -64,6 +68,8 @@ std::uint32_t JointTable::add(const JointDef& definition, const solver::Joint& j
 }
 
 void JointTable::remove(std::uint32_t joint) {
+  ATL_ASSERT(joint < size() && alive[joint], joint, size());
+  ATL_ASSERT(count > 0, count);
   unlink(joint);
   alive[joint] = 0;
   clear(joint);
@@ -80,6 +86,7 @@ void JointTable::clear(std::uint32_t joint) {
 }
 
 void JointTable::link(std::uint32_t joint) {
+  ATL_ASSERT(joints[joint].is_tendon() || joints[joint].first != joints[joint].second, joint, joints[joint].first);
   if (joints[joint].is_tendon()) {
     by_.tendons.insert(std::lower_bound(by_.tendons.begin(), by_.tendons.end(), joint), joint);
   } else {
@@ -96,6 +103,7 @@ void JointTable::unlink(std::uint32_t joint) {
 }
 
 std::vector<std::uint32_t> JointTable::tendons_over(std::uint32_t joint) const {
+  ATL_ASSERT(joint < size(), joint, size());
   std::vector<std::uint32_t> over;
   for (const std::uint32_t tendon : by_.tendons) {
     const solver::Joint& of = joints[tendon];
@@ -111,6 +119,9 @@ bool JointTable::takes_part(std::uint32_t joint) const { return enabled[joint] &
 
 void JointTable::update_flags(std::uint32_t joint) {
   const solver::Joint& j = joints[joint];
+  ATL_ASSERT(joint < size(), joint, size());
+  ATL_ASSERT(j.rows <= solver::max_joint_rows && j.terms <= j.term.size(), joint, j.rows, j.terms);
+  ATL_ASSERT(def[joint] != nullptr, joint);
   // A tendon's joints need no rows of their own: what is free may hang on a rope.
   acts[joint] = takes_part(joint) && j.row_count() > 0 &&
                 std::all_of(j.term.begin(), j.term.begin() + j.terms,
@@ -131,6 +142,8 @@ bool JointTable::keep_apart(std::uint32_t a, std::uint32_t b) { return ++apart_[
 
 bool JointTable::let_touch(std::uint32_t a, std::uint32_t b) {
   const auto found = apart_.find(std::minmax(a, b));
+  ATL_ASSERT(found != apart_.end(), a, b);
+  ATL_ASSERT(found->second > 0, a, b, found->second);
   if (--found->second > 0) return false;
   apart_.erase(found);
   return true;
