@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <jobs/task_order.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -26,6 +27,7 @@ bool may_be_dynamic() {
 Arena::Arena(int threads, bool dynamic) : congestion_(dynamic && may_be_dynamic()) { set_threads(threads); }
 
 void Arena::set_threads(int threads) {
+  ATL_ASSERT(threads >= 1, threads);
   threads_ = threads;
   tbb_ = std::make_unique<Tbb>(threads);
   // Only to raise the process's limit: the lowest of all such controls holds, for everybody's tasks.
@@ -55,6 +57,7 @@ void Arena::run(Function function, const void* context, std::size_t count, std::
   };
   before_tasks();
   const std::size_t chunks = chunk_count(count, grain);
+  ATL_ASSERT(grain > 0 && chunks > 1, count, grain);
   tbb_->arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_task); });
   after_tasks();
   // Helpers that never came had no core for that long.

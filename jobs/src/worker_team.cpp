@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <jobs/task_order.h>
 #include <jobs/worker_team.h>
 
@@ -76,8 +77,11 @@ WorkerTeam::~WorkerTeam() {
 void WorkerTeam::run(Function function, const void* context, std::size_t count, std::size_t grain) {
   const std::uint32_t loop = loop_of(ticket_.load(std::memory_order_relaxed)) + 1;
   const std::uint64_t fresh_ticket = std::uint64_t{loop} << 32;
+  // Loops of one team run one after the other, never within each other.
+  ATL_ASSERT(loop == 1 || (ticket_.load(std::memory_order_relaxed) & closed) == closed, loop);
   grain = std::max(grain, Arena::chunk_count(count, most_chunks));
   const auto chunks = static_cast<std::uint32_t>(Arena::chunk_count(count, grain));
+  ATL_ASSERT(chunks > 0 && chunks <= most_chunks, count, grain, chunks);
   // Whoever sees one of these sees the last ticket closed (acquire and release), and its claim fails.
   function_.store(function, std::memory_order_release);
   context_.store(context, std::memory_order_release);
@@ -114,6 +118,7 @@ bool WorkerTeam::take_chunk(std::uint32_t loop, End end) {
     const std::uint64_t claimed = ticket + (end == End::Front ? one_in_front : one_at_back);
     // Success proves that the loop has not ended since the ticket was read, so what was read is its own.
     if (!ticket_.compare_exchange_weak(ticket, claimed, std::memory_order_acq_rel)) continue;
+    ATL_ASSERT(begin < count, begin, count, grain);
     function(context, begin, std::min(count, begin + grain));
     chunks_done_.fetch_add(1, std::memory_order_release);
     return true;

@@ -1,4 +1,5 @@
 #include <collision/broadphase/aabb_tree.h>
+#include <jobs/assert.h>
 #include <jobs/scratch.h>
 
 #include <algorithm>
@@ -41,6 +42,8 @@ void AabbTree::remove(std::uint32_t item) {
     nodes_.remove(item);
     return;
   }
+  ATL_ASSERT(static_cast<std::size_t>(~slot) < later_.size(), item, slot, later_.size());
+  ATL_ASSERT(waiting(slot).item == item, item, slot, waiting(slot).item);
   // The last one takes its place.
   nodes_.set_aside(item, AabbTreeNode::none);
   AabbTreeLeaf& leaf = waiting(slot);
@@ -54,6 +57,7 @@ void AabbTree::remove(std::uint32_t item) {
 void AabbTree::move(std::uint32_t item, const Aabb& box) {
   const std::int32_t slot = nodes_.slot(item);
   if (slot < 0) {
+    ATL_ASSERT(static_cast<std::size_t>(~slot) < later_.size(), item, slot, later_.size());
     waiting(slot).box = box;
     return;
   }
@@ -87,6 +91,8 @@ void AabbTree::rebuild(std::vector<AabbTreeLeaf> leaves, jobs::Arena* arena) {
   }
   builder.leaves.reserve(size);
   nodes_.rebuild(builder, arena);
+  ATL_ASSERT(nodes_.size() == size, nodes_.size(), size);
+  ATL_ASSERT(!nodes_.is_too_high(), size);
 }
 
 }  // namespace atl::collision

@@ -1,4 +1,5 @@
 #include <collision/broadphase/aabb_tree_builder.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -92,6 +93,7 @@ AabbTreeBuilder::Grid AabbTreeBuilder::grid_around_leaves() {
     for (std::size_t axis = 0; axis < 3; ++axis) grid.origin[axis] = middle[axis] - 0.5 * extent;
   }
   if (extent > 0) grid.cells_per_unit = (1 << axis_bits) / extent;
+  ATL_ASSERT(grid.cells_per_unit >= 0 && std::isfinite(grid.cells_per_unit), extent, spread);
   return grid;
 }
 
@@ -117,6 +119,7 @@ void AabbTreeBuilder::sort_bucket(std::size_t begin, std::size_t end) {
   constexpr std::size_t digits = 8;
   static_assert(digits * digit_bits >= 3 * axis_bits);
   constexpr std::size_t few = 128;  // for which it takes longer to count digits
+  ATL_ASSERT(begin <= end && end <= codes_.size(), begin, end, codes_.size());
   const std::span<Code> bucket = std::span(codes_).subspan(begin, end - begin);
   const auto precedes = [](const Code& a, const Code& b) {
     return a.code != b.code ? a.code < b.code : a.leaf < b.leaf;
@@ -169,6 +172,7 @@ void AabbTreeBuilder::sort_codes() {
     for (Chunk& chunk : chunks_) place += std::exchange(chunk.places[digit], place);
   }
   bucket_begin[digit_values] = place;
+  ATL_ASSERT(place == codes_.size(), place, codes_.size());
   for_leaves([&](std::size_t begin, std::size_t end) {
     std::array<std::uint32_t, digit_values>& places = chunks_[begin / leaf_grain].places;
     for (std::size_t i = begin; i < end; ++i) sorted_[places[digit_of(codes_[i])]++] = codes_[i];
@@ -194,6 +198,14 @@ void AabbTreeBuilder::build(jobs::CompactArray<AabbTreeNode>& nodes, jobs::Compa
   chunks_.resize(jobs::Arena::chunk_count(leaves.size(), leaf_grain));
   find_codes();
   sort_codes();
+  if constexpr (jobs::with_asserts) {
+    // Strictly in order, so that each leaf is there once.
+    for (std::size_t i = 1; i < codes_.size(); ++i) {
+      const Code &before = codes_[i - 1], &code = codes_[i];
+      ATL_ASSERT(before.code < code.code || (before.code == code.code && before.leaf < code.leaf), i, before.leaf,
+                 code.leaf);
+    }
+  }
   nodes.resize(leaves.size() - 1);
   nodes_ = &nodes;
   slots_ = &slots;
@@ -254,6 +266,9 @@ AabbTreeBuilder::Part AabbTreeBuilder::child_of(const Part& part, int side, std:
 
 // Builds the subtree of a part, which has at least two leaves. Returns its box.
 Aabb AabbTreeBuilder::build_node(const Part& part) {
+  ATL_ASSERT(part.end - part.begin >= 2, part.number, part.begin, part.end);
+  ATL_ASSERT(part.number + (part.end - part.begin) <= nodes_->size() + 1, part.number, part.begin, part.end);
+  ATL_ASSERT(part.levels_left > 0, part.number, part.end - part.begin);
   AabbTreeNode& node = (*nodes_)[part.number];
   node.parent = part.parent;
   const std::size_t middle = split(part);
@@ -274,6 +289,7 @@ Aabb AabbTreeBuilder::build_child(const Part& part, int side, std::size_t middle
     return build_node(child);
   }
   const AabbTreeLeaf& leaf = leaves[codes_[child.begin].leaf];
+  ATL_ASSERT(leaf.item < slots_->size(), leaf.item, slots_->size());
   place = static_cast<std::int32_t>(~leaf.item);
   (*slots_)[leaf.item] = child.parent;
   return leaf.box;
@@ -293,6 +309,7 @@ std::size_t AabbTreeBuilder::split(const Part& part) const {
     const std::size_t middle = low + (high - low) / 2;
     ((codes_[middle].code & bit) != 0 ? high : low) = middle;
   }
+  ATL_ASSERT((codes_[low].code & bit) == 0 && (codes_[high].code & bit) != 0, begin, low, high, end);
   return high;
 }
 

@@ -1,5 +1,6 @@
 #include <collision/broadphase/collision_filters.h>
 #include <jobs/append.h>
+#include <jobs/assert.h>
 
 namespace atl::collision {
 
@@ -8,6 +9,7 @@ void CollisionFilters::add(std::uint32_t shape, const Filter& filter) {
     jobs::append(entries_, shape + std::size_t{1});
     jobs::append(restricted_, shape + std::size_t{1});
   }
+  ATL_ASSERT(entries_[shape].filter.owner == Filter::own_shape, shape, entries_[shape].filter.owner);
   link(shape, filter);
 }
 
@@ -41,8 +43,13 @@ void CollisionFilters::link(std::uint32_t shape, const Filter& filter) {
 
 void CollisionFilters::unlink(std::uint32_t shape) {
   const Entry& entry = entries_[shape];
+  ATL_ASSERT(entry.filter.owner < owners_.size(), shape, entry.filter.owner, owners_.size());
   const std::uint32_t next = entry.next_of_owner;
   const std::uint32_t previous = entry.previous_of_owner;
+  ATL_ASSERT(next == no_shape || entries_[next].previous_of_owner == shape, shape, next);
+  ATL_ASSERT(previous != no_shape ? entries_[previous].next_of_owner == shape
+                                  : owners_[entry.filter.owner].first_shape == shape,
+             shape, previous, entry.filter.owner);
   if (next != no_shape) entries_[next].previous_of_owner = previous;
   (previous != no_shape ? entries_[previous].next_of_owner : owners_[entry.filter.owner].first_shape) = next;
 }
@@ -54,6 +61,7 @@ void CollisionFilters::update_restricted(std::uint32_t shape) {
 }
 
 void CollisionFilters::count_disabled(std::uint32_t number, std::int32_t change) {
+  ATL_ASSERT(change > 0 || owner(number).disabled_pairs > 0, number, change);
   owner(number).disabled_pairs += static_cast<std::uint32_t>(change);
   for_each_shape_of(number, [this](std::uint32_t shape) { update_restricted(shape); });
 }
@@ -80,6 +88,7 @@ bool CollisionFilters::filters_allow(std::uint32_t a, std::uint32_t b) const {
   const Filter& x = entries_[a].filter;
   const Filter& y = entries_[b].filter;
   if (!may_meet(x, y)) return false;
+  ATL_ASSERT(x.owner < owners_.size() && y.owner < owners_.size(), a, x.owner, b, y.owner, owners_.size());
   if (owners_[x.owner].disabled_pairs == 0 || owners_[y.owner].disabled_pairs == 0) return true;
   return !disabled_.contains(Pair::of(x.owner, y.owner));
 }

@@ -1,4 +1,5 @@
 #include <collision/broadphase/pair_search.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 
@@ -68,6 +69,16 @@ std::size_t count_asking_fixed(const Proxies& proxies, const CollisionFilters& f
   }));
 }
 
+// Each is there once, and has a shape that moves.
+void check_new_pairs(std::span<const Pair> pairs, const Proxies& proxies) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto [first, second] = pairs[i];
+    ATL_ASSERT(i == 0 || pairs[i - 1] < pairs[i], i, first, second);
+    ATL_ASSERT(proxies.contains(first) && proxies.contains(second), first, second);
+    ATL_ASSERT(proxies.kind(first) == Kind::Moving || proxies.kind(second) == Kind::Moving, first, second);
+  }
+}
+
 }  // namespace
 
 // Half-spaces that moved, and all moving shapes.
@@ -112,6 +123,7 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   }
   // Each pair is found once, so that sorted pairs depend neither on the order of moves nor on the trees' shape.
   sort_pairs(new_pairs_, sort_scratch_);
+  if constexpr (jobs::with_asserts) check_new_pairs(new_pairs_, proxies);
   return new_pairs_;
 }
 

@@ -1,6 +1,7 @@
 #include <collision/broadphase/fat_box.h>
 #include <collision/contacts/body_aabbs.h>
 #include <collision/contacts/refresh.h>
+#include <jobs/assert.h>
 #include <jobs/scratch.h>
 
 #include <algorithm>
@@ -124,6 +125,8 @@ double BodyAabbs::set_limits(std::uint32_t body, Sweep sweep, const BodyMotions&
 void BodyAabbs::add(std::uint32_t body, bool fixed, const Filter& filter, const BodyMotions& motions,
                     Broadphase& broadphase) {
   bounds.aabb_margin[body] = infinity;
+  ATL_ASSERT(body < swept_margins_.size() && bounds.aabb_margin.size() == swept_margins_.size(), body,
+             bounds.aabb_margin.size(), swept_margins_.size());
   swept_margins_[body] = 0;
   // The body's speed is not yet in its AABB, since only a step says how long it is.
   bounds.aabb_dirty[body] = 1;
@@ -173,6 +176,8 @@ BodyAabbs::Update BodyAabbs::look_at(std::uint32_t collider, const Aabb* current
   const Vector3 spin = row(motions.angular_velocities, body);
   const Bounds now = motions.bounds_now(collider);
   const double size = size_of(colliders.shape[collider]);
+  ATL_ASSERT(size > 0 && size < infinity, collider, body, size);
+  ATL_ASSERT(motions.dt >= 0, motions.dt);
   const double reach = (velocity.norm() + spin.norm() * motions.radius[body]) * motions.dt;
   // The shift (m) of the shape's own origin, since a compound's child also moves when its body turns.
   Vector3 shift = motions.dt * velocity;
@@ -199,6 +204,7 @@ double BodyAabbs::swept_margin(std::uint32_t body, const BodyMotions& motions) c
 }
 
 void BodyAabbs::note_swept(std::uint32_t body, const BodyMotions& motions) {
+  ATL_ASSERT(swept_margins_[body] >= 0, body, swept_margins_[body]);
   const double swept = swept_margin(body, motions);
   if (swept > 0 && swept_margins_[body] == 0) swept_.push_back(body);
   swept_margins_[body] = std::max(swept, swept_margins_[body]);
@@ -265,6 +271,7 @@ void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions&
         broadphase.move_half_space(collider, motions.plane_now(collider));
         return;
       }
+      ATL_ASSERT(next < updates_of[i / grain].data() + updates_of[i / grain].size(), body, collider, i);
       const Update& update = *next++;
       if (!update.is_new) return;
       broadphase.move_box(collider, update.fat);

@@ -140,6 +140,12 @@ bool ContactCache::touches(Pair pair) const {
 }
 
 void ContactCache::merge_into_order() {
+  if constexpr (jobs::with_asserts) {
+    for (std::size_t i = 0; i < added_.size(); ++i) {
+      ATL_ASSERT(state_[added_[i]] == ContactState::Active, i, added_[i]);
+      ATL_ASSERT(i == 0 || precedes(added_[i - 1], added_[i]), i, added_[i - 1], added_[i]);
+    }
+  }
   order_.merge(added_, [this](std::uint32_t slot) { return contacts[slot].pair; });
 }
 

@@ -2,6 +2,7 @@
 
 #include <collision/contacts/update_contacts.h>
 #include <collision/narrowphase/surface_contacts.h>
+#include <jobs/assert.h>
 
 #include <array>
 #include <cstddef>
@@ -34,8 +35,14 @@ struct ContactRange {
 
   Contact& contact(std::size_t entry) const { return cache.contacts[cache.order()[entry]]; }
   ContactManifold& manifold(std::size_t entry) const { return cache.manifolds[cache.order()[entry]]; }
-  void add_stale(std::size_t entry) { stale[stale_count++] = static_cast<std::uint32_t>(entry); }
-  void note_points(std::size_t entry) { points[entry - begin] = contact(entry).count; }
+  void add_stale(std::size_t entry) {
+    ATL_ASSERT(stale_count < stale.size(), entry, stale_count);
+    stale[stale_count++] = static_cast<std::uint32_t>(entry);
+  }
+  void note_points(std::size_t entry) {
+    ATL_ASSERT(entry >= begin && entry - begin < points.size(), entry, begin);
+    points[entry - begin] = contact(entry).count;
+  }
 };
 
 }  // namespace atl::collision

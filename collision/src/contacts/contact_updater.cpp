@@ -1,5 +1,7 @@
 #include "contacts/contact_updater.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -18,6 +20,7 @@ bool still_apart(const Contact& contact, const ContactUpdateInput& input) {
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
   const double moved = (origins_apart(contact, input) - from).norm();
   const double turned = turned_by_both(contact, input) - contact.turned;
+  ATL_ASSERT(!(turned < 0), contact.pair.first, contact.pair.second, turned);
   const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.radius) * turned;
   return left > speculative_margin(static_cast<double>(contact.size), any_approach) || left > margin_of(contact, input);
 }
@@ -39,9 +42,13 @@ void list_touching(const ContactRange& range, std::size_t end, std::span<Touchin
   std::uint32_t difference = 0;
   std::int64_t points = 0;
   for (std::size_t i = 0; i < end - range.begin; ++i) {
+    ATL_ASSERT(range.status[range.begin + i] != ContactStatus::Stale, range.begin + i);
     if (range.status[range.begin + i] != ContactStatus::Touching) continue;
     const TouchingPair pair = range.pairs[i];
+    ATL_ASSERT(pair.slot == range.cache.order()[range.begin + i], range.begin + i, pair.slot);
+    ATL_ASSERT(range.points[i] > 0 && range.points[i] <= max_points, range.begin + i, range.points[i]);
     if (!dynamic[pair.first] && !dynamic[pair.second]) continue;
+    ATL_ASSERT(listed < touching.size(), listed, touching.size());
     TouchingPair& place = touching[listed++];
     difference |= (pair.first ^ place.first) | (pair.second ^ place.second) | (pair.slot ^ place.slot);
     place = pair;
@@ -65,6 +72,7 @@ ContactUpdater::Result ContactUpdater::run(std::size_t begin, std::size_t end, s
   if (begin < end) end = end_of_last_pair(range_, end);
 
   range_.begin = begin;
+  ATL_ASSERT(end - begin <= longest_range, begin, end);
   for (std::size_t i = begin; i < end;) {
     const std::size_t next = order.pair_end(i);
     if (is_lost(order.pair_at(i))) {
@@ -88,6 +96,8 @@ ContactUpdater::Result ContactUpdater::run(std::size_t begin, std::size_t end, s
 void ContactUpdater::recycle(std::size_t first, std::size_t end) {
   fetch_ahead(first);
   const Contact& contact = range_.contact(first);
+  ATL_ASSERT(contact.part == 0 && end > first, first, end, contact.part);
+  ATL_ASSERT(!(contact.gap > 0 && contact.count > 0), first, contact.gap, contact.count);
   const bool was_apart = contact.gap > 0;
   if (was_apart && still_apart(contact, range_.input)) {
     std::fill(range_.status + first, range_.status + end, ContactStatus::Apart);
@@ -121,6 +131,7 @@ void ContactUpdater::refresh_recycled() {
   const ContactOrder& order = range_.cache.order();
   const unsigned recycled = refresher_.refresh(
       count, [&](std::size_t lane) { return order[recycled_.entries[lane]]; }, false);
+  ATL_ASSERT(recycled >> count == 0, recycled, count);
   for (std::size_t lane = 0; lane < count; ++lane) {
     const std::uint32_t entry = recycled_.entries[lane];
     if ((recycled >> lane & 1) != 0) {

@@ -1,4 +1,5 @@
 #include <collision/contacts/idle_contacts.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 
@@ -10,6 +11,7 @@ void IdleContacts::update(std::span<const Contact> contacts, std::span<const Con
   jobs::erase_if(entries_, [&](const Entry& entry) { return !is_idle(entry.slot) || is_noted_[entry.slot] != 0; });
   const auto kept = static_cast<std::ptrdiff_t>(entries_.size());
   for (const std::uint32_t slot : noted_) {
+    ATL_ASSERT(slot < states.size() && is_noted_[slot] == 1, slot, states.size());
     is_noted_[slot] = 0;
     if (is_idle(slot)) entries_.push_back({contacts[slot].pair.key(), contacts[slot].part, slot});
   }
@@ -17,6 +19,11 @@ void IdleContacts::update(std::span<const Contact> contacts, std::span<const Con
   const auto precedes = [](const Entry& a, const Entry& b) { return a.key == b.key ? a.part < b.part : a.key < b.key; };
   std::sort(entries_.begin() + kept, entries_.end(), precedes);
   std::inplace_merge(entries_.begin(), entries_.begin() + kept, entries_.end(), precedes);
+  if constexpr (jobs::with_asserts) {
+    for (std::size_t i = 1; i < entries_.size(); ++i) {
+      ATL_ASSERT(precedes(entries_[i - 1], entries_[i]), i, entries_[i - 1].slot, entries_[i].slot);
+    }
+  }
 }
 
 std::span<const std::uint32_t> IdleContacts::with_active(const ContactOrder& active, std::span<const Contact> contacts,

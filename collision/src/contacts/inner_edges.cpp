@@ -1,6 +1,7 @@
 #include <collision/contacts/inner_edges.h>
 #include <collision/narrowphase/distance.h>
 #include <collision/shapes/hull.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -131,6 +132,7 @@ void InnerEdges::measure(const Contact& contact, const ContactManifold& manifold
   const Vector3 against = colliders.pose(found.own, poses).orientation.conjugate() * -found.normal;
   const std::optional<Vector3> own = face_along(colliders.shape[found.own], against);
   found.least_lean = own && (*own - against).norm() < least_lean ? least_lean_of_face : least_lean;
+  ATL_ASSERT(!(std::abs(found.plane.squaredNorm() - 1) > 1e-5), found.mover, found.collider, found.plane.norm());
   if (is_convex_solid(shape.kind)) {
     found.offset = reach_of(input, found.collider, found.plane);
   } else {
@@ -138,6 +140,7 @@ void InnerEdges::measure(const Contact& contact, const ContactManifold& manifold
     each_point(contact, manifold, poses, ground_is_first,
                [&](const Vector3& p) { found.offset = std::max(found.offset, found.plane.dot(p)); });
   }
+  ATL_ASSERT(std::isfinite(found.offset), found.mover, found.collider, found.offset);
 }
 
 // Tells if the shapes of a contact lie on either side of the plane of another contact of the same bodies, and the
@@ -188,6 +191,7 @@ std::span<const std::uint32_t> InnerEdges::find(const ContactCache& cache, const
     first = end;
   }
   std::ranges::sort(inner_);
+  ATL_ASSERT(std::ranges::adjacent_find(inner_) == inner_.end(), inner_.size());
   return inner_;
 }
 

@@ -3,6 +3,7 @@
 #include <collision/contacts/match_points.h>
 #include <collision/shapes/shape.h>
 #include <features/with_meshes.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <utility>
@@ -92,6 +93,7 @@ template <typename OldPart>
 std::array<int, surface_parts> assign_to_parts(const SurfaceManifolds& found, const OldPart& old_part) {
   std::array<int, surface_parts> manifold_of;
   manifold_of.fill(-1);
+  ATL_ASSERT(found.count >= 0 && found.count <= max_surface_manifolds, found.count);
   std::array<bool, surface_parts> assigned = {};
   const auto assign_best = [&](double least_cosine) {
     for (int m = 0; m < found.count; ++m) {
@@ -114,6 +116,9 @@ std::array<int, surface_parts> assign_to_parts(const SurfaceManifolds& found, co
   };
   assign_best(0.9);   // the same face as before
   assign_best(-2.0);  // whatever is left
+  if constexpr (jobs::with_asserts) {
+    for (std::size_t m = 0; m < static_cast<std::size_t>(found.count); ++m) ATL_ASSERT(assigned[m], m, found.count);
+  }
   return manifold_of;
 }
 
@@ -128,6 +133,7 @@ void ManifoldRecomputer::run() {
     const Pair pair = range_.contact(entry).pair;
     if (with_meshes && has_surface(input_.colliders, pair)) {
       const std::size_t first = entry - range_.contact(entry).part;
+      ATL_ASSERT(first >= range_.begin && range_.contact(first + surface_parts - 1).pair == pair, entry, first);
       recompute_surface_parts(first);
       for (std::size_t part = 0; part < surface_parts; ++part) range_.note_points(first + part);
     } else if (are_boxes(input_.colliders, pair)) {
@@ -155,6 +161,8 @@ void ManifoldRecomputer::replace(std::size_t entry, const Manifold& manifold, co
     range_.counts.id_matches += matches.by_id;
     range_.counts.id_misses += matches.missed;
   }
+  ATL_ASSERT(range_.cache.rises.empty() || range_.cache.rises.size() == range_.cache.contacts.size(),
+             range_.cache.rises.size(), range_.cache.contacts.size());
   if (!range_.cache.rises.empty()) range_.cache.rises[slot] = static_cast<float>(manifold.rise);
   store_features(contact, manifold, incident, margin, tolerance_of(input_.colliders, contact.pair, manifold));
   range_.status[entry] = manifold.count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
@@ -194,6 +202,7 @@ void ManifoldRecomputer::set_apart(std::size_t entry, double margin, double gap,
   contact.radius = static_cast<float>(radius);
   const double size = static_cast<double>(contact.size);
   contact.gap = static_cast<float>(std::max(gap, margin + static_cast<double>(flat_tolerance) * size));
+  ATL_ASSERT(contact.gap > 0 && contact.count == 0, entry, contact.gap, contact.count);
   Eigen::Map<Vector3>(contact.apart_from.data()) = origins_apart(contact, input_);
   contact.turned = turned_by_both(contact, input_);
   range_.status[entry] = ContactStatus::Apart;
@@ -216,6 +225,7 @@ void ManifoldRecomputer::recompute(std::size_t entry) {
   const bool swap = colliders.shape[pair.second].kind < colliders.shape[pair.first].kind;
   const Shape& lower = colliders.shape[swap ? pair.second : pair.first];
   const Shape& higher = colliders.shape[swap ? pair.first : pair.second];
+  ATL_ASSERT(is_convex_solid(lower.kind), pair.first, pair.second, static_cast<int>(lower.kind));
   const Pose in_lower = swap ? relative(second, first) : relative(first, second);
   const bool bounded = is_convex_solid(higher.kind);
   Manifold manifold = after_last(contact, swap);
@@ -290,6 +300,9 @@ void ManifoldRecomputer::recompute_surface_parts(std::size_t entry) {
   const bool surface_second = is_surface(colliders.shape[pair.second].kind);
   const std::uint32_t solid = surface_second ? pair.first : pair.second;
   const std::uint32_t surface = surface_second ? pair.second : pair.first;
+  ATL_ASSERT(contact.part == 0, entry, contact.part);
+  ATL_ASSERT(is_surface(colliders.shape[surface].kind), solid, surface,
+             static_cast<int>(colliders.shape[surface].kind));
   const Pose incident = relative(colliders.pose(surface, input_.poses), colliders.pose(solid, input_.poses));
   const double margin = margin_of(contact, input_);
   SurfaceManifolds found;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <collision/contacts/update_contacts.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -42,6 +43,7 @@ class ManifoldRefresher {
   // otherwise see NarrowphaseKernels::refresh.
   template <typename SlotOf>
   unsigned refresh(std::size_t count, const SlotOf& slot_of, bool all) {
+    ATL_ASSERT(count >= 1 && count <= block_lanes, count);
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
       const std::uint32_t slot = slot_of(std::min(lane, count - 1));
       fill_lane(cache_.contacts[slot], cache_.manifolds[slot], lane);

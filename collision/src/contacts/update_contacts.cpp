@@ -1,4 +1,5 @@
 #include <collision/contacts/update_contacts.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 
@@ -20,9 +21,13 @@ ContactUpdateCounts& ContactUpdateCounts::operator+=(const ContactUpdateCounts& 
 
 // Joins the lists of the chunks, one after another. With only one chunk its list is already in place.
 void ContactUpdate::collect_touching(jobs::Arena& arena) {
-  if (chunks_.size() == 1) return touching.resize(chunks_[0].touching);
+  if (chunks_.size() == 1) {
+    ATL_ASSERT(chunks_[0].touching <= touching.size(), chunks_[0].touching, touching.size());
+    return touching.resize(chunks_[0].touching);
+  }
   std::size_t total = 0;
   for (Chunk& chunk : chunks_) {
+    ATL_ASSERT(chunk.touching <= longest_range, chunk.touching);
     chunk.offset = total;
     total += chunk.touching;
   }
@@ -61,6 +66,10 @@ void update_contacts(ContactCache& cache, const Broadphase& broadphase, const Co
                      jobs::Arena& arena, ContactUpdate& update) {
   const std::size_t count = cache.order().size();
   const std::size_t chunk_count = jobs::Arena::chunk_count(count, contact_grain);
+  [[maybe_unused]] const std::size_t bodies = input.dynamic.size();
+  ATL_ASSERT(input.mobility.size() == bodies && input.turned.size() == bodies, bodies, input.mobility.size(),
+             input.turned.size());
+  ATL_ASSERT(count == 0 || input.reaches.size() == bodies, count, bodies, input.reaches.size());
   update.touching_changed = update.added_to_ || update.chunks_.size() != chunk_count;
   update.added_to_ = false;
   update.status.resize(count);
