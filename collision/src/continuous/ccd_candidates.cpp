@@ -1,4 +1,5 @@
 #include <collision/continuous/ccd_candidates.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -116,6 +117,8 @@ void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std
   for (const FastContact& found : scratch.contacts) {
     const Contact& contact = contacts[order[found.entry]];
     if (step.passes(contact.pair)) continue;
+    ATL_ASSERT(found.fast_first <= step.fast.size() && found.fast_second <= step.fast.size(), found.fast_first,
+               found.fast_second, step.fast.size());
     const FastBody* first = fast(found.fast_first);
     const FastBody* second = fast(found.fast_second);
     if (stay_apart(step, contact, first, second)) continue;
@@ -169,6 +172,7 @@ void CcdCandidates::decide(CcdStep& step) {
   list_undecided(step, found, undecided);
   if (undecided.empty()) return;
   step.passing = (*step.decide)(undecided);
+  ATL_ASSERT(std::is_sorted(step.passing.begin(), step.passing.end()), step.passing.size());
   scratch_.for_each([&](Scratch& of_worker) {
     std::erase_if(of_worker.candidates,
                   [&](const Candidate& near) { return step.passes(Pair::of(near.pair.own, near.pair.other)); });
@@ -186,9 +190,11 @@ void CcdCandidates::sort_by_body(std::size_t fast_bodies) {
   scratch_.for_each([this](const Scratch& of_worker) {
     for (const Candidate& near : of_worker.candidates) pairs_[--begin_[near.fast]] = near.pair;
   });
+  ATL_ASSERT(begin_.front() == 0, begin_.front(), fast_bodies);
 }
 
 void CcdCandidates::list(std::size_t fast, std::vector<CcdPair>& pairs) const {
+  ATL_ASSERT(fast + 1 < begin_.size() && begin_[fast] <= begin_[fast + 1], fast, begin_.size());
   pairs.assign(pairs_.begin() + begin_[fast], pairs_.begin() + begin_[fast + 1]);
   std::sort(pairs.begin(), pairs.end());
   const auto same = [](const CcdPair& a, const CcdPair& b) { return a.own == b.own && a.other == b.other; };

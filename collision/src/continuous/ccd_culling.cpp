@@ -1,6 +1,7 @@
 #include <collision/continuous/ccd_culling.h>
 #include <collision/narrowphase/box_axes.h>
 #include <collision/shapes/shape.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -95,6 +96,7 @@ void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& 
     approach.shift = moved ? Vector3(own_shift - moved->shift) : own_shift;
     approach.closing = approach.shift.norm() + fast.turn + (moved ? moved->turn : 0);
     approach.size = std::min(shape.inner_radius, other_shape.inner_radius);
+    ATL_ASSERT(approach.size > 0 && approach.size < infinity, collider, other, approach.size);
     approach.passes_core = false;
     // An approach of up to half the smaller one's size is covered by the speculative margin.
     const bool slow = approach.closing <= approach_share * approach.size;

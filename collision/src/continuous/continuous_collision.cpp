@@ -1,8 +1,10 @@
 #include <collision/continuous/continuous_collision.h>
 #include <collision/narrowphase/distance.h>
 #include <collision/shapes/shape.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -49,6 +51,7 @@ CcdSupport support_of(const SweepHit& hit, const Motion& other, const Shape& cor
   const Pose other_end = other.at(1);
   const Vector3 point = other_end.position + other_end.orientation * (other.start.orientation.conjugate() *
                                                                       (hit.point - other.start.position));
+  ATL_ASSERT(std::abs(hit.normal.squaredNorm() - 1) < 1e-6, hit.normal.norm(), hit.separation);
   const double reach = reach_along(core, end.orientation.conjugate() * hit.normal);
   return {hit.normal, hit.normal.dot(end.position - point) + reach, tolerance};
 }
@@ -69,6 +72,16 @@ std::optional<Vector3> way_aside(std::span<const CcdSupport> held) {
     if (!passed) return aside;
   }
   return std::nullopt;
+}
+
+void check_stops(std::span<const CcdStop> stops, std::size_t fast_bodies) {
+  std::size_t covered = 0;
+  for (const CcdStop& stop : stops) {
+    covered += stop.bodies.size();
+    ATL_ASSERT(stop.t >= 0 && stop.t <= 1, stop.bodies.front().body, stop.t);
+    ATL_ASSERT(stop.aside.allFinite() && !stop.undecided, stop.bodies.front().body, stop.aside.norm());
+  }
+  ATL_ASSERT(covered == fast_bodies, covered, fast_bodies);
 }
 
 }  // namespace
@@ -209,7 +222,12 @@ void ContinuousCollision::list_groups(std::span<const FastBody> fast) {
 
 std::span<const CcdStop> ContinuousCollision::find_stops(CcdStep step, Broadphase& broadphase, jobs::Arena& arena) {
   places_.resize(step.motions.radius.size());
-  for (std::size_t i = 0; i < step.fast.size(); ++i) places_[step.fast[i].body] = static_cast<std::uint32_t>(i + 1);
+  for (std::size_t i = 0; i < step.fast.size(); ++i) {
+    const FastBody& fast = step.fast[i];
+    ATL_ASSERT(fast.body < places_.size() && places_[fast.body] == 0, i, fast.body, places_.size());
+    ATL_ASSERT(i == 0 || step.fast[i - 1].assembly <= fast.assembly, i, fast.body, fast.assembly);
+    places_[fast.body] = static_cast<std::uint32_t>(i + 1);
+  }
   step.places = places_;
   candidates_.find(step, broadphase, arena);
   list_groups(step.fast);
@@ -223,6 +241,7 @@ std::span<const CcdStop> ContinuousCollision::find_stops(CcdStep step, Broadphas
   for (CcdStop& stop : stops_) {
     if (stop.undecided) find_stop(step, broadphase, stop, scratch_.local(), true);
   }
+  if constexpr (jobs::with_asserts) check_stops(stops_, step.fast.size());
   for (const FastBody& fast : step.fast) places_[fast.body] = 0;
   return stops_;
 }

@@ -1,6 +1,7 @@
 #include "continuous/moving_core.h"
 
 #include <collision/narrowphase/box_axes.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -147,6 +148,7 @@ Motion Motion::between(const Pose& start, const Pose& end, const Vector3& centre
   motion.centre = centre;
   motion.translation = end.position + end.orientation * centre - (start.position + start.orientation * centre);
   motion.rotation = rotation_of(end.orientation * start.orientation.conjugate());
+  ATL_ASSERT(!(motion.rotation.norm() > 3.142), motion.rotation.norm());  // the shorter way
   return motion;
 }
 
@@ -194,6 +196,8 @@ Vector3 first_guess(const MovingCore& first, const MovingCore& second) {
 }
 
 bool advance(const MovingCore& first, const MovingCore& second, const SweepGoal& goal, double t_limit, SweepHit& hit) {
+  ATL_ASSERT(goal.separation >= 0 && goal.tolerance > 0, goal.separation, goal.tolerance);
+  ATL_ASSERT(t_limit >= 0 && t_limit <= 1, t_limit);
   const bool turning = first.turns() || second.turns();
   const double aim = goal.aim();
   const double near = goal.separation + goal.tolerance;

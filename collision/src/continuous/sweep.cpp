@@ -3,6 +3,7 @@
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <features/with_meshes.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -120,6 +121,7 @@ class SurfaceSweep {
     const MovingCore moving(ConvexCore::of(triangle.vertices), surface_);
     if (stay_parted(solid_, moving, goal_, surface_.start.orientation * -triangle.normal, t_limit_)) return false;
     if (!advance(solid_, moving, goal_, t_limit_, hit)) return false;
+    ATL_ASSERT(hit.t >= 0 && hit.t <= t_limit_, number, hit.t, t_limit_);
     if (const Parted parted = parted_by_planes(moving, triangle); hit.t < parted.until) {
       if (parted.until > t_limit_) return false;
       hit = {.t = parted.until, .normal = parted.across, .point = hit.point, .converged = false};
@@ -167,6 +169,7 @@ class SurfaceSweep {
 bool sweep(const Shape& solid, const Motion& solid_motion, const Shape& other, const Motion& other_motion,
            const SweepGoal& goal, double t_limit, SweepHit& hit) {
   if (is_surface(other.kind)) {
+    ATL_ASSERT(is_convex_solid(solid.kind), static_cast<int>(solid.kind));
     bool found = false;
     sweep_each(solid, solid_motion, other, other_motion, goal, t_limit, [&](const SweepHit& fresh) {
       // The lowest triangle counts of those that are met at the same time.

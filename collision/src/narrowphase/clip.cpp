@@ -1,5 +1,6 @@
 #include <collision/narrowphase/clip.h>
 #include <collision/narrowphase/feature_id.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <utility>
@@ -17,11 +18,13 @@ struct Side {
 };
 
 OutlineCorner crossing(const OutlineCorner& from, const OutlineCorner& to, double from_outside, double to_outside) {
+  ATL_ASSERT(from_outside != to_outside, from_outside);
   const double t = std::clamp(from_outside / (from_outside - to_outside), 0.0, 1.0);
   return {from.position + t * (to.position - from.position), 0, 0};
 }
 
 void clip_polygon(const Outline& outline, const Side& side, double slack, Outline& result) {
+  ATL_ASSERT(outline.count >= 3 && outline.count < Outline::capacity, outline.count);  // corners beyond would be lost
   result.count = 0;
   const auto last = static_cast<std::size_t>(outline.count - 1);
   double to_outside = side.outside(outline.corners[0].position);
@@ -42,6 +45,7 @@ void clip_polygon(const Outline& outline, const Side& side, double slack, Outlin
 }
 
 void clip_segment(Outline& outline, const Side& side, double slack) {
+  ATL_ASSERT(outline.count == 2, outline.count);
   const double first = side.outside(outline.corners[0].position);
   const double second = side.outside(outline.corners[1].position);
   if (first > slack && second > slack) outline.count = 0;
@@ -64,6 +68,8 @@ void Outline::add_end(const Vector3& position) {
 }
 
 void clip(Outline& outline, const FacePolygon& face, double slack) {
+  ATL_ASSERT(face.count >= 3 && face.count <= max_face_corners, face.number, face.count);
+  ATL_ASSERT(!(slack < 0), slack);
   Outline spare;
   Outline* current = &outline;
   Outline* other = &spare;
@@ -96,6 +102,7 @@ void clip(Outline& outline, const FacePolygon& face, double slack) {
 
 void face_points(const Outline& outline, const FacePolygon& face, int incident_face, double margin,
                  Manifold& manifold) {
+  ATL_ASSERT(!(std::abs(face.normal.squaredNorm() - 1) > 1e-6), face.number, face.normal.norm());
   std::array<Manifold::Point, Outline::capacity> points;
   int count = 0;
   for (int i = 0; i < outline.count; ++i) {

@@ -4,6 +4,7 @@
 #include <collision/narrowphase/feature_id.h>
 #include <collision/narrowphase/support_feature.h>
 #include <collision/shapes/shape.h>
+#include <jobs/assert.h>
 
 namespace atl::collision {
 namespace {
@@ -57,6 +58,7 @@ void collide_half_space(const Shape& solid_shape, const Shape& half_space, const
   const Polytope& polytope = core.polytope();
   Outline outline;
   const int face = incident_outline(solid_shape, polytope, down, outline);
+  ATL_ASSERT(outline.count <= max_face_corners, outline.count);
   std::array<Manifold::Point, max_face_corners + 1> points;
   int count = 0;
   bool has_lowest = false;

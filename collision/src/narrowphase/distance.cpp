@@ -6,6 +6,7 @@
 #include <collision/shapes/shape.h>
 #include <collision/shapes/triangle_mesh.h>
 #include <features/with_meshes.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,6 +94,7 @@ void nearest_of_field(const HeightField& field, const Bounds& bounds, NearestTri
 bool find_distance(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose, double limit,
                    Distance& result) {
   if (is_convex_solid(other.kind)) {
+    ATL_ASSERT(is_convex_solid(solid.kind), static_cast<int>(solid.kind));
     const ClosestPoints found = closest_points(solid, other, relative(solid_pose, other_pose));
     if (!(found.distance <= limit)) return false;
     const auto place = [&](const Vector3& point) -> Vector3 {
@@ -165,6 +167,7 @@ void find_depth_in_convex(const Shape& solid, const Pose& solid_pose, const Shap
 bool find_signed_distance(const Shape& solid, const Pose& solid_pose, const Shape& other, const Pose& other_pose,
                           double limit, Distance& result) {
   if (!find_distance(solid, solid_pose, other, other_pose, limit, result)) return false;
+  ATL_ASSERT(!(result.distance < 0), result.distance);
   if (result.distance > 0) return true;
   if (is_convex_solid(other.kind)) {
     find_depth_in_convex(solid, solid_pose, other, other_pose, result);

@@ -1,4 +1,5 @@
 #include <collision/narrowphase/gauss_map_descent.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +54,7 @@ LocalAxis GaussMapDescent::from_direction(const Vector3& unit_normal) {
 }
 
 LocalAxis GaussMapDescent::from_face_of_first(int face) {
+  ATL_ASSERT(face >= 0 && face < first_.face_count, face, first_.face_count);
   face_ = face;
   n_ = first_.planes[face].normal;
   a_ = first_.face_vertices[first_.face_start[face]];
@@ -61,6 +63,7 @@ LocalAxis GaussMapDescent::from_face_of_first(int face) {
 }
 
 LocalAxis GaussMapDescent::from_face_of_second(int face) {
+  ATL_ASSERT(face >= 0 && face < second_.face_count, face, second_.face_count);
   face_ = face;
   n_ = -(rotation_ * second_.planes[face].normal);
   a_ = first_.support(n_);

@@ -1,5 +1,7 @@
 #include "narrowphase/gjk.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -137,6 +139,7 @@ bool find_nearest(const Simplex& simplex, double noise, Nearest& best) {
 // Drops the vertices that the nearest feature doesn't have.
 void reduce(Simplex& simplex, Nearest& nearest) {
   SimplexVertex kept[3];
+  ATL_ASSERT(nearest.count >= 1 && nearest.count <= 3, nearest.count);
   for (int i = 0; i < nearest.count; ++i) kept[i] = simplex.vertices[nearest.vertex[i]];
   simplex.count = nearest.count;
   for (int i = 0; i < nearest.count; ++i) {
@@ -215,6 +218,7 @@ GjkResult gjk_distance(const ConvexCore& first, const ConvexCore& second, const 
       result.bound_normal = nearest.point / distance;
     }
     if (distance - result.lower_bound <= noise + tolerance * distance || contains(simplex, fresh.difference)) break;
+    ATL_ASSERT(simplex.count >= 1 && simplex.count <= 3, simplex.count, result.iterations);
     Simplex grown = simplex;
     grown.vertices[grown.count++] = fresh;
     Nearest next;

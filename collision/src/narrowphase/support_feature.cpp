@@ -1,4 +1,5 @@
 #include <collision/narrowphase/support_feature.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -156,6 +157,8 @@ void face_polygon(const Shape& shape, const Polytope& core, int number, FacePoly
     disc_polygon(shape.radius, up ? shape.half_height : -shape.half_height, up, face);
     return;
   }
+  ATL_ASSERT(number >= 0 && number < core.face_count, number, core.face_count);
+  ATL_ASSERT(core.face_size(number) >= 3 && core.face_size(number) <= max_face_corners, number, core.face_size(number));
   face.normal = core.planes[number].normal;
   face.offset = core.planes[number].offset;
   for (int i = core.face_start[number]; i < core.face_start[number + 1]; ++i) {

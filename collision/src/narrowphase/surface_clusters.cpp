@@ -1,6 +1,7 @@
 #include "narrowphase/surface_clusters.h"
 
 #include <collision/narrowphase/feature_id.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -198,9 +199,11 @@ void SurfaceClusters::finish(SurfaceManifolds& result) {
     count_ = kept;
     merge_to_fit();
   }
+  ATL_ASSERT(count_ <= max_surface_manifolds, count_);
   result.count = 0;
   for (int i = 0; i < count_; ++i) {
     Manifold& manifold = result.manifolds[static_cast<std::size_t>(result.count++)];
+    ATL_ASSERT(at(i).count > 0 && at(i).count <= max_candidates, i, at(i).count);
     manifold.reference_is_second = true;
     manifold.normal = at(i).normal;
     manifold.axis = 0;

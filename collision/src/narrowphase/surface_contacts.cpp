@@ -3,6 +3,7 @@
 #include <collision/shapes/aabb.h>
 #include <collision/shapes/height_field.h>
 #include <collision/shapes/triangle_mesh.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -200,6 +201,7 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
       manifold.rise = -0.5 * (end.normal - start.normal).dot(along);
     }
   }
+  ATL_ASSERT(!(std::abs(manifold.normal.squaredNorm() - 1) > 1e-6), nearest.number, manifold.normal.norm());
   manifold.add(centre - ball.radius * manifold.normal, start.distance - ball.radius, single_point_id());
 }
 

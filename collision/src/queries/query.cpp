@@ -1,5 +1,6 @@
 #include <collision/queries/query.h>
 #include <collision/shapes/aabb.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -42,6 +43,7 @@ void find_depth(const QueryScene& scene, const Shape& solid, const Pose& pose, C
   const Pose at = scene.colliders.pose(hit.collider, scene.poses);
   Distance depth;
   if (!find_signed_distance(solid, pose, scene.colliders.shape[hit.collider], at, 0, depth)) return;
+  ATL_ASSERT(!(depth.distance > 0), hit.collider, depth.distance);
   hit.depth = -depth.distance;
   hit.hit.normal = depth.normal;
   hit.hit.point = depth.on_other;
@@ -83,6 +85,7 @@ bool cast_ray(const QueryScene& scene, const Ray& ray, Sides sides, Accept accep
     found = true;
     return first.hit.t;
   });
+  ATL_ASSERT(!found || (first.hit.t >= 0 && first.hit.t <= ray.max_t), first.collider, first.hit.t, ray.max_t);
   if (found) find_depth(scene, ray, first);
   return found;
 }
@@ -135,6 +138,7 @@ bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, c
         return std::min(1.0, first.hit.t + slack);
       },
       cast.half);
+  ATL_ASSERT(!found || (first.hit.t >= 0 && first.hit.t <= 1), first.collider, first.hit.t);
   if (found) find_depth(scene, solid, pose, first);
   return found;
 }

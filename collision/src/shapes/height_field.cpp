@@ -1,4 +1,5 @@
 #include <collision/shapes/height_field.h>
+#include <jobs/assert.h>
 #include <jobs/hash.h>
 
 #include <cmath>
@@ -22,6 +23,7 @@ HeightField::CellRange cells_between(double lower, double upper, double spacing,
   auto end = static_cast<std::uint32_t>(std::clamp(std::floor(upper / spacing) + 2, 0.0, last));
   while (first < end && (first + 1.0) * spacing < lower) ++first;
   while (end > first && (end - 1.0) * spacing > upper) --end;
+  ATL_ASSERT(first <= end && end <= cells, first, end, cells);
   return {first, end};
 }
 
@@ -68,6 +70,7 @@ Triangle HeightField::triangle(std::uint32_t index) const {
 }
 
 Triangle HeightField::face(std::uint32_t index) const {
+  ATL_ASSERT(index < triangle_count(), index, triangle_count());
   const auto [i, j] = cell(index);
   const auto sample = [&](std::uint32_t column, std::uint32_t row) {
     return Vector3(column * spacing_x, row * spacing_y, height(column, row));

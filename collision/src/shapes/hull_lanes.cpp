@@ -2,6 +2,7 @@
 // faster than to walk along edges.
 
 #include <collision/shapes/hull.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +17,7 @@ using Lanes = Eigen::Array<double, Hull::lanes, 1>;
 template <typename Visit>
 void visit_reaches(const Hull& hull, const Vector3& direction, const Visit& visit) {
   const std::size_t size = hull.columns.size() / 3;
+  ATL_ASSERT(size % Hull::lanes == 0 && size >= hull.vertices.size(), size, hull.vertices.size());
   const double* x = hull.columns.data();
   const double* y = x + size;
   const double* z = y + size;

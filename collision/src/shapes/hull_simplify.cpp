@@ -1,3 +1,5 @@
+#include <jobs/assert.h>
+
 #include <algorithm>
 
 #include "shapes/hull_build.h"
@@ -75,6 +77,7 @@ std::vector<std::size_t> choose_extreme_points(std::span<const Vector3> points) 
     std::sort(chosen.begin(), chosen.end());
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   }
+  ATL_ASSERT(chosen.size() <= Hull::max_vertices, chosen.size());
   return chosen;
 }
 

@@ -1,4 +1,5 @@
 #include <collision/shapes/hull.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -39,6 +40,7 @@ std::vector<std::vector<Index>> canonical_faces(const ConvexFacets& facets, cons
 // Normal by Newell's method about the face's first corner, through the mean of the corners: where they are not
 // quite in one plane, that is the middle between them.
 Hull::Plane plane_of(const Hull& hull, const std::vector<Index>& face) {
+  ATL_ASSERT(face.size() >= 3, face.size());
   const Vector3& origin = hull.vertices[face[0]];
   Vector3 normal = Vector3::Zero();
   double reach = 0;
@@ -60,6 +62,7 @@ bool add_edges(const std::vector<Index>& face, Index number, std::vector<Index>&
     const Index known = between[head * vertices + tail];
     const Index edge = known != no_index ? known : static_cast<Index>(hull.edges.size());
     if (known != no_index) {
+      ATL_ASSERT(hull.edges[known].right == no_index, known, hull.edges[known].right, number);
       hull.edges[known].right = number;
     } else {
       hull.edges.push_back({tail, head, number, no_index});
@@ -175,6 +178,10 @@ bool assemble(std::span<const Vector3> points, const ConvexFacets& facets, Hull&
     if (edge.right == no_index) return false;
   }
   if (vertices + hull.face_count() != hull.edges.size() + 2 || !link_vertices(hull)) return false;
+  ATL_ASSERT(hull.face_vertices.size() == hull.face_edges.size(), hull.face_vertices.size(), hull.face_edges.size());
+  ATL_ASSERT(hull.face_edges.size() == 2 * hull.edges.size(), hull.face_edges.size(), hull.edges.size());
+  ATL_ASSERT(hull.vertex_edges.size() == 2 * hull.edges.size(), hull.vertex_edges.size(), hull.edges.size());
+  ATL_ASSERT(hull.vertex_start.size() == vertices + 1, hull.vertex_start.size(), vertices);
   measure(hull);
   return hull.mass.volume > 0 && hull.inner_radius > 0;
 }
@@ -238,7 +245,8 @@ Hull box_hull(const Vector3& half_extents) {
   ConvexFacets facets;
   for (const auto& face : faces) facets.add(face);
   Hull hull;
-  assemble(corners, facets, hull);
+  [[maybe_unused]] const bool closed = assemble(corners, facets, hull);
+  ATL_ASSERT(closed, half_extents.x(), half_extents.y(), half_extents.z());
   return hull;
 }
 

@@ -1,4 +1,5 @@
 #include <collision/shapes/polytope.h>
+#include <jobs/assert.h>
 
 #include <cmath>
 #include <vector>
@@ -193,6 +194,7 @@ int Polytope::support(const Vector3& direction) const {
 }
 
 int Polytope::climb(int vertex, const Vector3& direction) const {
+  ATL_ASSERT(vertex >= 0 && vertex < vertex_count, vertex, vertex_count);
   double farthest = vertices[vertex].dot(direction);
   for (int step = 0; step < vertex_count; ++step) {
     const int from = vertex;
@@ -226,6 +228,8 @@ Polytope polytope_of(const Hull& hull) {
 }
 
 void Core::build_ring(double radius, double height, const Vector3& about, int level, int first_vertex) {
+  ATL_ASSERT(level >= 0 && level < levels, level);
+  ATL_ASSERT(about.x() != 0 || about.y() != 0, about.z());
   const double scale = radius / length_2d(about.x(), about.y());
   const double c = scale * about.x();
   const double s = scale * about.y();
@@ -311,6 +315,7 @@ void Core::build(const Shape& shape, int level, const Vector3& about) {
 }
 
 void Core::build_triangle(const std::array<Vector3, 3>& vertices, const Vector3& unit_normal) {
+  ATL_ASSERT(!(std::abs(unit_normal.squaredNorm() - 1) > 1e-9), unit_normal.norm());
   for (std::size_t i = 0; i < 3; ++i) vertices_[i] = vertices[i];
   const double offset = unit_normal.dot(vertices[0]);
   planes_[0] = {unit_normal, offset};

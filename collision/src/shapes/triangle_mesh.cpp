@@ -1,4 +1,5 @@
 #include <collision/shapes/triangle_mesh.h>
+#include <jobs/assert.h>
 #include <jobs/hash.h>
 
 #include <algorithm>
@@ -84,6 +85,8 @@ std::vector<OpenSide> open_sides(const TriangleMesh& mesh, const std::vector<std
 }
 
 void join(TriangleMesh& mesh, const OpenSide& a, const OpenSide& b) {
+  ATL_ASSERT(mesh.neighbours[a.triangle][a.edge] == TriangleMesh::no_triangle, a.triangle, a.edge);
+  ATL_ASSERT(mesh.neighbours[b.triangle][b.edge] == TriangleMesh::no_triangle, b.triangle, b.edge);
   mesh.neighbours[a.triangle][a.edge] = b.triangle;
   mesh.neighbours[b.triangle][b.edge] = a.triangle;
 }
@@ -161,6 +164,9 @@ void find_convex_edges(TriangleMesh& mesh) {
 // The corner of a triangle that lies at a place.
 std::uint32_t corner_at(const TriangleMesh& mesh, std::uint32_t triangle, const Vector3& place) {
   const Indices& corners = mesh.triangles[triangle];
+  ATL_ASSERT(
+      mesh.vertices[corners[0]] == place || mesh.vertices[corners[1]] == place || mesh.vertices[corners[2]] == place,
+      triangle, place.x(), place.y(), place.z());
   return mesh.vertices[corners[0]] == place ? 0 : mesh.vertices[corners[1]] == place ? 1 : 2;
 }
 
@@ -238,6 +244,7 @@ Triangle TriangleMesh::triangle(std::uint32_t index) const {
 Triangle TriangleMesh::face(std::uint32_t index) const {
   Triangle result;
   result.normal = normals[index];
+  ATL_ASSERT(index < triangles.size(), index, triangles.size());
   for (std::size_t i = 0; i < 3; ++i) result.vertices[i] = vertices[triangles[index][i]];
   return result;
 }
@@ -273,6 +280,11 @@ std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vect
   mesh.smooth_angle = smooth_angle;
   find_corner_normals(mesh);
   measure(mesh);
+  ATL_ASSERT(mesh.normals.size() == triangles.size() && mesh.convex_edges.size() == triangles.size(),
+             mesh.normals.size(), mesh.convex_edges.size(), triangles.size());
+  ATL_ASSERT(mesh.corner_normals.size() == (smooth_angle > 0 ? triangles.size() : 0), mesh.corner_normals.size(),
+             triangles.size());
+  ATL_ASSERT(mesh.tree.items.size() == triangles.size(), mesh.tree.items.size(), triangles.size());
   mesh.content = content_of(mesh);
   return mesh;
 }

@@ -1,4 +1,5 @@
 #include <collision/shapes/triangle_tree.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -99,10 +100,13 @@ std::uint32_t* Builder::split(std::uint32_t* begin, std::uint32_t* end, int dept
 }
 
 void Builder::build(std::uint32_t* begin, std::uint32_t* end, int depth) {
+  ATL_ASSERT(begin < end, end - begin);
+  ATL_ASSERT(depth < static_cast<int>(TriangleTree::max_depth), depth, end - begin);
   const std::size_t node = nodes.size();
   nodes.push_back({boxes[*begin], 0, *begin});
   if (end - begin == 1) return;
   std::uint32_t* middle = split(begin, end, depth);
+  ATL_ASSERT(begin < middle && middle < end, middle - begin, end - begin);
   build(begin, middle, depth + 1);
   const auto second = static_cast<std::uint32_t>(nodes.size());
   build(middle, end, depth + 1);
@@ -155,6 +159,7 @@ TriangleTree::Node TriangleTree::frame_of(const Aabb& box) {
     node.origin[axis] = std::clamp(box.lower[i], -most, most);
     node.steps[axis] = std::clamp((last_step - 2) / (box.upper[i] - node.origin[axis]), least, most);
   }
+  ATL_ASSERT((node.steps > 0).all() && node.steps.isFinite().all(), node.steps[0], node.steps[1], node.steps[2]);
   return node;
 }
 
@@ -164,6 +169,8 @@ void TriangleTree::Node::set_bounds(std::size_t child, const Aabb& box) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
     lower[i] &= ~(std::uint64_t{0xff} << 8 * child);
+    ATL_ASSERT(from[axis] >= 0 && from[axis] <= to[axis] && to[axis] <= static_cast<int>(last_step), child, axis,
+               from[axis], to[axis]);
     lower[i] |= static_cast<std::uint64_t>(from[axis]) << 8 * child;
     upper[i] |= static_cast<std::uint64_t>(to[axis]) << 8 * child;
   }
@@ -196,6 +203,7 @@ void TriangleTree::take(std::span<const BinaryNode> binary) {
   for (std::size_t n = 0; n < roots.size(); ++n) {
     const Aabb& around = binary[roots[n]].box;
     const Children children = gather(binary, roots[n]);
+    ATL_ASSERT(children.count >= 2 || binary.size() == 1, n, children.count);
     Node node = frame_of(around);
     node.first_node = static_cast<std::uint32_t>(roots.size());
     node.first_item = static_cast<std::uint32_t>(items.size());
@@ -216,6 +224,7 @@ void TriangleTree::take(std::span<const BinaryNode> binary) {
     nodes.push_back(node);
     node_boxes.push_back(around);
   }
+  ATL_ASSERT(items.size() == binary.size() / 2 + 1, items.size(), binary.size());
   nodes.shrink_to_fit();
   node_boxes.shrink_to_fit();
 }
