@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/tuning.h>
@@ -41,6 +42,8 @@ double curvature_radius(const Vector3& half_axes, const Vector3& outward, const 
 
 ContactArm contact_arm(const BodyTable& bodies, std::uint32_t body, const collision::ColliderTable& colliders,
                        std::uint32_t collider, const Vector3& anchor, const Vector3& outward) {
+  ATL_ASSERT(!(std::abs(outward.squaredNorm() - 1) > 1e-5), body, collider, outward.norm());
+  ATL_ASSERT(colliders.body[collider] == body, collider, body, colliders.body[collider]);
   // A ball is touched on the line through its centre.
   if (bodies.ball[body]) return {.rim = outward.dot(anchor) * outward};
   if (!bodies.rolls[body]) return {.pivot = anchor};

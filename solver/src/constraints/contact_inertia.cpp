@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/contact_inertia.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@ Matrix3 principal_axes(const BodyTable& bodies, std::uint32_t body) {
 }
 
 Vector3 moments_of(const BodyTable& bodies, std::uint32_t body, double swing) {
+  ATL_ASSERT(!(swing < 0), body, swing);
   const Vector3 moments = moments_in_contact(bodies, body);
   return moments.cwiseMax(std::clamp(swing * swing, resolved_share, 1.0) * moments.maxCoeff());
 }
@@ -24,6 +26,7 @@ bool is_seen_heavier(const BodyTable& bodies, std::uint32_t body) {
 }
 
 Vector3 moments_in_contact(const BodyTable& bodies, std::uint32_t body) {
+  ATL_ASSERT(is_seen_heavier(bodies, body), body);
   // Bodies that are alike in all directions have no axes of their own.
   const Vector3 moments = bodies.gyroscopic[body] ? bodies.moments[body] : Vector3(bodies.inertia[body].diagonal());
   return moments.cwiseMax(bodies.least_moment[body]);

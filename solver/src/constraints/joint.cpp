@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/joint.h>
 
 #include <cmath>
@@ -70,6 +71,7 @@ JointRow coordinate_row(Coordinate coordinate, const JointFrames& frames, double
 }
 
 JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frames) {
+  ATL_ASSERT(row < joint.rows, row, joint.rows);
   return coordinate_row(joint.coordinate[row], frames, joint.ratio);
 }
 
@@ -102,6 +104,8 @@ void fade(Coordinate coordinate, const JointFrames& frames, bool fades_turn, Joi
 
 JointFrames joint_frames(const Joint& joint, const Vector3& position_first, const Quaternion& orientation_first,
                          const Vector3& position_second, const Quaternion& orientation_second) {
+  ATL_ASSERT(std::abs(joint.axes_first.squaredNorm() - 1) < 1e-6, joint.first, joint.second, joint.axes_first.norm());
+  ATL_ASSERT(std::abs(joint.axes_second.squaredNorm() - 1) < 1e-6, joint.first, joint.second, joint.axes_second.norm());
   JointFrames frames;
   frames.arm_first = orientation_first * joint.anchor_first;
   frames.arm_second = orientation_second * joint.anchor_second;

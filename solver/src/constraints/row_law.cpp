@@ -189,6 +189,7 @@ double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, 
   }
   const double by_rate = h * h / 6 * force.square_of_omega, by_acceleration = h * h / 6 * force.decay;
   if (force.is_stiff(h) || by_rate > 0.5 * h * force.decay) return 0;
+  ATL_ASSERT(!(by_rate < 0) && !(by_acceleration < 0), by_rate, by_acceleration);
   return moved * (by_rate * rate + by_acceleration * acceleration);
 }
 

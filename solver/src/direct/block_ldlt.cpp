@@ -207,6 +207,7 @@ bool BlockLdlt::analyse(std::span<const std::uint8_t> sizes,
 }
 
 std::size_t BlockLdlt::block_index(std::uint32_t a, std::uint32_t b) const {
+  ATL_ASSERT(a < rank_.size() && b < rank_.size(), a, b, rank_.size());
   const std::uint32_t rank = std::min(rank_[a], rank_[b]);
   const Column& column = columns_[rank];
   if (a == b) return column.diagonal;
@@ -216,6 +217,7 @@ std::size_t BlockLdlt::block_index(std::uint32_t a, std::uint32_t b) const {
   const auto found =
       std::lower_bound(begin, below_.begin() + column.end, later,
                        [](const Below& block, std::uint32_t diagonal) { return block.diagonal < diagonal; });
+  ATL_ASSERT(found != below_.begin() + column.end && found->diagonal == later, a, b);  // else nothing couples them
   return found->values;
 }
 
@@ -271,6 +273,7 @@ bool BlockLdlt::factor_all() {
     });
     if (!positive) return false;
   }
+  ATL_ASSERT(coupled == coupled_.data() + coupled_.size(), coupled - coupled_.data(), coupled_.size());
   return true;
 }
 
@@ -336,6 +339,7 @@ bool BlockLdlt::factor() {
 }
 
 void BlockLdlt::solve(std::span<double> b) const {
+  ATL_ASSERT(b.size() == rows(), b.size(), rows());
   switch (common_size_) {
     case 3:
       return solve_all<3>(b.data());

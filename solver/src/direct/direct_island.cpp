@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/direct_island.h>
 #include <solver/direct/moving_bodies.h>
 #include <solver/tuning.h>
@@ -75,6 +76,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> IslandMembers::couplings(co
     couple_all(ends_of_terms.first(terms), coupled);
     ends_of_terms = ends_of_terms.subspan(terms);
   }
+  ATL_ASSERT(ends_of_terms.empty(), ends_of_terms.size(), term_ends.size());
   return coupled;
 }
 
@@ -90,6 +92,7 @@ bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& gr
 
 DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {
   IslandProblem& problem = motions_.problem;
+  ATL_ASSERT(fits_, members_.island, members_.bodies.size());
   motions_.resize(members_.bodies.size());
   problem.joints.resize(members_.joints.size());
   motions_.search.iterations = 0;

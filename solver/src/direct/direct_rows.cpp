@@ -1,5 +1,6 @@
 // Maps velocities to motions of contacts and joints, and impulses to momenta.
 
+#include <jobs/assert.h>
 #include <solver/direct/direct_rows.h>
 
 namespace atl::solver {
@@ -25,6 +26,7 @@ void DirectContact::add_motion(double sign, const Vector3& arm, const Vector3& v
 }
 
 void DirectContact::bound_friction(double load) {
+  ATL_ASSERT(!(load < 0), slot, load);
   law.friction_bound = friction * load;
   law.torsional_bound = radius * law.friction_bound + torsional * load;
   law.rolling_bound = rolling * load;

@@ -1,5 +1,6 @@
 #include "direct/island_contacts.h"
 
+#include <jobs/assert.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/direct/island_matrix.h>
 #include <solver/integrate/free_flight.h>
@@ -27,6 +28,7 @@ void load_frame(const DirectIslandInput& input, bool half_way, DirectContact& co
   const Vector3 nearly(tangents.first[0], tangents.first[1], tangents.first[2]);
   const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
   contact.axes = {normal, tangent, normal.cross(tangent)};
+  ATL_ASSERT(!(std::abs(contact.axes[2].squaredNorm() - 1) > 1e-9), contact.slot, contact.axes[2].norm());
   contact.given = {};
   contact.line_turn = 0;
   const auto load_side = [&](std::uint32_t body, std::uint32_t collider, const Vector3& anchor, double sign,
@@ -78,6 +80,7 @@ void load_points(const collision::ContactManifold& manifold, const ContactRespon
     const Vector3 offset = y * contact.axes[1] - x * contact.axes[2];
     const double k = response.inverse_mass + response.turning(contact.arm_first.cross(contact.axes[0]) + offset,
                                                               contact.arm_second.cross(contact.axes[0]) + offset);
+    ATL_ASSERT(k > 0, contact.slot, p, k);
     contact.mass[p] = 1 / k;
     contact.separation[p] = contact.start_separation[p] = manifold.separation[i];
   }
@@ -87,6 +90,7 @@ void load_friction(const SolverSettings& settings, const ContactResponse& respon
   ContactLaw& law = contact.law;
   const double along = 0.5 * (response.along(contact.axes[1]) + response.along(contact.axes[2]));
   const double twist = response.turning(contact.axes[0]);
+  ATL_ASSERT(along > 0, contact.slot, along);
   law.friction_stiffness = 1 / (tuning::friction_compliance * along);
   law.torsional_stiffness = twist > 0 ? 1 / (tuning::friction_compliance * twist) : 0;
   law.pyramid = settings.pyramid;
@@ -131,6 +135,7 @@ void warm_start(const DirectIslandInput& input, double share, DirectContact& con
   }
   answer.pieces.spins = is_bound(answer.torsional, contact.law.torsional_bound);
   if (contact.law.rolling_stiffness > 0) {
+    ATL_ASSERT(input.surface_contacts != nullptr, contact.slot);
     const Vector3 rolling = share * get3(input.surface_contacts[contact.slot].rolling_impulse);
     answer.rolling = {rolling.dot(contact.axes[1]), rolling.dot(contact.axes[2])};
     answer.pieces.rolls = is_bound(rolling.norm(), contact.law.rolling_bound);
@@ -173,6 +178,7 @@ void load_contact(const DirectIslandInput& input, const TouchingPair& pair, cons
   load_frame(input, half_way, contact);
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
   load_points(manifold, response, contact);
+  ATL_ASSERT(contact.law.points >= 1, pair.slot, pair.first, pair.second);
   load_friction(input.settings, response, contact);
   if (input.surface_contacts == nullptr) return;
   SurfaceContact& surface = input.surface_contacts[pair.slot];

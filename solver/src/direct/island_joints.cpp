@@ -1,5 +1,6 @@
 #include "direct/island_joints.h"
 
+#include <jobs/assert.h>
 #include <solver/direct/island_matrix.h>
 #include <solver/tuning.h>
 
@@ -73,6 +74,8 @@ void weigh_rows(const Joint& of, const std::vector<DirectBody>& bodies, bool loc
     double responds[3] = {0, 0, 0};
     if (joint.first != no_body) add_point_response(bodies[joint.first], joint.arm_first, responds);
     if (joint.second != no_body) add_point_response(bodies[joint.second], joint.arm_second, responds);
+    ATL_ASSERT(!(responds[0] <= 0) && !(responds[1] <= 0) && !(responds[2] <= 0), joint.joint, responds[0], responds[1],
+               responds[2]);
     for (std::size_t r = 0; r < 3; ++r) joint.mass[r] = 1 / responds[r];
   }
   for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
@@ -169,6 +172,8 @@ TermRow term_at(const Joint* joints, const DirectJoint& tendon, std::size_t i, c
 RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector<DirectJoint>& joints) {
   RowKinds kinds;
   auto ends = members.term_ends.begin();
+  ATL_ASSERT(members.ends.size() == members.joints.size() && joints.size() == members.joints.size(),
+             members.ends.size(), joints.size(), members.joints.size());
   for (std::size_t j = 0; j < members.joints.size(); ++j) {
     const JointLink& link = members.joints[j];
     const Joint& from = all[link.joint];
@@ -196,6 +201,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
       joint.term[i] = {of.first, of.second, ends->first, ends->second, {}};
       joint.term[i].row.position = from.term[i].position;
     }
+    ATL_ASSERT(joint.rows >= 1 && joint.rows <= max_joint_rows, link.joint, joint.rows);
     const std::size_t points = joint.point_rows();
     joint.locks = 0;
     for (std::size_t r = 0; r < joint.rows; ++r) {
@@ -215,10 +221,12 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
       kinds.bounces |= law.restitution > 0;
     }
   }
+  ATL_ASSERT(ends == members.term_ends.end(), members.term_ends.size());
   return kinds;
 }
 
 const Law& law_of(const Joint& joint, std::size_t row) {
+  ATL_ASSERT(row < joint.row_count(), row, joint.row_count());
   static constexpr Law locked{.lower = 0, .upper = 0};
   const std::size_t points = joint.point ? 3 : 0;
   return row < points ? locked : joint.law[row - points];
@@ -243,6 +251,7 @@ void place_joints(const DirectIslandInput& input, double time, double h, std::ve
 }
 
 void weigh_locks(const Joint* joints, IslandProblem& problem) {
+  ATL_ASSERT(problem.lock_compliance > 0, problem.lock_compliance);
   for (DirectJoint& joint : problem.joints) {
     const Joint& of = joints[joint.joint];
     weigh_rows(of, problem.bodies, true, joint);

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/island_matrix.h>
 #include <solver/direct/island_members.h>
 #include <solver/tuning.h>
@@ -79,6 +80,7 @@ void IslandMatrix::add_masses(std::span<const DirectBody> bodies) {
   system_.clear();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const auto node = static_cast<std::uint32_t>(i);
+    ATL_ASSERT(bodies[i].mass > 0, bodies[i].body, bodies[i].mass);
     double* block = system_.values(system_.block_index(node, node));
     for (int k = 0; k < 3; ++k) {
       block[7 * k] = bodies[i].mass;
@@ -91,6 +93,7 @@ void IslandMatrix::add_masses(std::span<const DirectBody> bodies) {
 // is put into the world's frame at the contact's centre, [P Q; Q^T S] of forces and couples by speeds and spins, and
 // moved to the bodies' centres by their arms.
 void IslandMatrix::add_stiffness(const DirectContact& contact, const std::array<Six, 6>& k) {
+  ATL_ASSERT(contact.first != contact.second, contact.slot, contact.first_body, contact.second_body);
   const auto& [n, t1, t2] = contact.axes;
   const Vector3 leans = k[0][1] * t1 + k[0][2] * t2;
   Matrix3 p, q, s;
@@ -139,6 +142,7 @@ void IslandMatrix::add_stiffness(const DirectContact& contact, const std::array<
 void IslandMatrix::add_tendon(DirectJoint& tendon) {
   tendon.factored[0] = tendon.law[0].pieces(tendon.rate[0]);
   const double k = tendon.law[0].slope(tendon.rate[0]);
+  ATL_ASSERT(!(k < 0), tendon.joint, k);
   if (k == 0) return;
   const auto entry = [](const PulledBody& body, int i) { return i < 3 ? body.linear[i] : body.angular[i - 3]; };
   const PulledBodies bodies = tendon.pulled();
@@ -174,6 +178,7 @@ void IslandMatrix::add_stiffness(DirectJoint& joint, Rows rows) {
     if (joint.is_lock(i) != (rows == Rows::Locks)) continue;
     joint.factored[i] = joint.law[i].pieces(joint.rate[i]);
     const double k = joint.law[i].slope(joint.rate[i]);
+    ATL_ASSERT(!(k < 0), joint.joint, i, k);  // or the matrix might have no factor
     if (k == 0) continue;
     const JointRow at = joint.row(i);
     add_square(of_first, at.angular_first, at.angular_first, at.linear, k);

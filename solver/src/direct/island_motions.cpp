@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/island_motions.h>
 #include <solver/tuning.h>
 
@@ -35,6 +36,8 @@ void push_contacts_apart(IslandProblem& problem, const SolverSettings& settings,
   const double whole = whole_step(problem, settings, dt);
   const Parting from_fixed = parting_of(settings, dt, whole, true);
   const Parting from_dynamic = parting_of(settings, dt, whole, false);
+  ATL_ASSERT(from_fixed.rate >= 0 && from_dynamic.rate >= 0, from_fixed.rate, from_dynamic.rate);
+  ATL_ASSERT(from_fixed.stiffness > 0 && from_dynamic.stiffness > 0, from_fixed.stiffness, from_dynamic.stiffness);
   for (DirectContact& contact : problem.contacts) {
     const Parting& parting = contact.fixed() ? from_fixed : from_dynamic;
     for (int i = 0; i < contact.law.points; ++i) {
@@ -84,6 +87,7 @@ void keep_velocities(IslandMotions& motions) {
 }  // namespace
 
 bool find_motions(IslandMotions& motions, const SolverSettings& settings, double dt, double from_outside) {
+  ATL_ASSERT(dt > 0 && !(from_outside < 0), dt, from_outside);
   const bool relaxes = settings.relax_iterations > 0;
   if (relaxes) {
     stop_contacts(motions.problem.contacts, dt);

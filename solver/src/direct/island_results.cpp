@@ -1,5 +1,7 @@
 #include "direct/island_results.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -15,6 +17,7 @@ void write_back_contacts(const DirectIslandInput& input, double share, const std
       const bool there = manifold.separation[i] < collision::no_point;
       manifold.normal_impulse[i] = there ? static_cast<float>(share * contact.lasting.normal[point++]) : 0;
     }
+    ATL_ASSERT(point == contact.law.points, contact.slot, point, contact.law.points);
     set3(manifold.friction_impulse, share * contact.in_plane(contact.lasting.friction));
     manifold.torsional_impulse = static_cast<float>(share * contact.lasting.torsional);
     if (input.surface_contacts == nullptr) continue;

@@ -1,5 +1,6 @@
 #include "direct/joint_leapfrog.h"
 
+#include <jobs/assert.h>
 #include <solver/direct/island_matrix.h>
 #include <solver/tuning.h>
 
@@ -95,6 +96,7 @@ void add_bend(const Joint& of, double bend, std::size_t row, RowLaw& law) {
   if (law.locked) {
     law.lock_rate -= bend;
   } else if (bend != 0) {
+    ATL_ASSERT(!(law.spring_slope <= 0), row, bend, law.spring_slope);
     law.spring_rate -= law_of(of, row).armature / law.spring_slope * bend;
   }
 }

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/joint_response.h>
 
 #include <algorithm>
@@ -99,6 +100,7 @@ void JointResponse::take_laws(IslandProblem& problem) {
       }
       joint.factored[r] = law.pieces(joint.rate[r]);
       const double slope = law.slope(joint.rate[r]);
+      ATL_ASSERT(!(slope < 0), joint.joint, r, slope);
       if (slope > 0) {
         *diagonal += 1 / slope;
       } else {
@@ -156,6 +158,7 @@ void JointResponse::solve(const IslandProblem& problem, std::span<double> b) con
     }
     rates += joint.rows;
   }
+  ATL_ASSERT(rates == rates_.data() + rates_.size(), rates - rates_.data(), rates_.size());
   system_.solve(rates_);
   rates = rates_.data();
   for (const DirectJoint& joint : problem.joints) {
@@ -167,6 +170,9 @@ void JointResponse::solve(const IslandProblem& problem, std::span<double> b) con
 
 void JointResponse::add_answer(const IslandProblem& problem, const std::vector<double>& impulses,
                                std::vector<double>& velocities) const {
+  if constexpr (jobs::with_asserts) {
+    for (const double momentum : momenta_) ATL_ASSERT(momentum == 0, momentum);
+  }
   const double* of_joint = impulses.data();
   for (const DirectJoint& joint : problem.joints) {
     joint.add_impulses(of_joint, momenta_.data());

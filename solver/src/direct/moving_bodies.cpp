@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/arm_stiffness.h>
 #include <solver/constraints/contact_inertia.h>
 #include <solver/direct/moving_bodies.h>
@@ -42,6 +43,7 @@ bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, I
     DirectBody& of = problem.bodies[i];
     of.body = body;
     of.inverse_mass = table.inverse_mass[body];
+    ATL_ASSERT(of.inverse_mass > 0, body, of.inverse_mass);
     of.mass = 1 / of.inverse_mass;
     if (!joined && is_seen_heavier(table, body)) {
       const double swing = swing_in_contact(table, body, approach_speed(table, members, body), input.dt);
@@ -53,6 +55,7 @@ bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, I
       of.inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
     }
     of.radius = std::sqrt((joined ? table.inertia[body] : of.inertia).trace() / (3 * of.mass));
+    ATL_ASSERT(of.radius > 0, body, of.radius);
     linear_part(problem.velocity, i) = table.velocity(body);
     angular_part(problem.velocity, i) = table.angular_velocity(body);
   }

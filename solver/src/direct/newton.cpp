@@ -1,5 +1,6 @@
 #include "direct/newton.h"
 
+#include <jobs/assert.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -79,6 +80,7 @@ double step_length(const AlongDirection& function) {
       if (kept > 1) slope_low *= 0.5;
     }
   }
+  ATL_ASSERT(!(t < 0) && !(t > 1), t, slope_low, slope_high);
   return t;
 }
 
@@ -168,6 +170,8 @@ bool step_by_newton(IslandProblem& problem, BalanceSearch& search) {
 
 void find_direction(IslandProblem& problem, BalanceSearch& search) {
   std::vector<double>& direction = search.direction;
+  ATL_ASSERT(direction.size() == 6 * problem.bodies.size() && search.gradient.size() == direction.size(),
+             direction.size(), search.gradient.size(), problem.bodies.size());
   for (std::size_t i = 0; i < direction.size(); ++i) direction[i] = -search.gradient[i];
   search.matrix.solve(problem, direction);
   for (DirectContact& contact : problem.contacts) contact.change = contact.motion_by(direction);

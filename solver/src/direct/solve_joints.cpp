@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/balance_search.h>
 #include <solver/tuning.h>
 
@@ -60,6 +61,8 @@ bool take_on(IslandProblem& problem, const std::vector<double>& impulses, const 
       if (rubs * rubs_now < 0) joint.rate[r] = law.friction_speed;
     }
   }
+  ATL_ASSERT(found == impulses.data() + impulses.size() && done == given.data() + given.size(), impulses.size(),
+             given.size());
   return stays;
 }
 

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/island_matrix.h>
 #include <solver/direct/moving_bodies.h>
 #include <solver/tuning.h>
@@ -174,6 +175,7 @@ bool Substeps::solve() {
 }
 
 void Substeps::begin() {
+  ATL_ASSERT(bodies_.size() == problem_.bodies.size(), bodies_.size(), problem_.bodies.size());
   const bool gives = alone_ && has_loops(problem_);
   problem_.lock_compliance = gives        ? tuning::compliance_of_loops
                              : by_bodies_ ? tuning::compliance
@@ -403,6 +405,7 @@ bool Substeps::limit_bounces() {
   for (std::size_t i = 0; i < change.size(); ++i) change[i] -= problem_.velocity[i];
   const double stopped = kinetic_energy(bodies_, problem_, problem_.velocity);
   const double square = kinetic_energy(bodies_, problem_, change);
+  ATL_ASSERT(!(square <= 0), square, stopped, motions_.energy_before);
   const double linear = kinetic_energy(bodies_, problem_, bounced) - stopped - square;
   const double room = std::max(motions_.energy_before - stopped, 0.0);
   const double share = std::clamp((std::sqrt(linear * linear + 4 * square * room) - linear) / (2 * square), 0.0, 1.0);

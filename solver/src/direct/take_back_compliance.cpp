@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/direct/balance_search.h>
 #include <solver/tuning.h>
 
@@ -17,6 +18,7 @@ double shift_contact(DirectContact& contact, double dt) {
     if (!(contact.answer.pieces.points & (1 << i))) continue;
     const double may_close = std::max(contact.separation[i], 0.0) / dt;
     most = std::max(most, -contact.law.speed(i, contact.motion) - may_close);
+    ATL_ASSERT(!(contact.law.stiffness[i] <= 0), contact.slot, i, contact.law.stiffness[i]);
     contact.law.bias[i] = may_close - contact.answer.normal[i] / contact.law.stiffness[i];
   }
   return most;
@@ -29,6 +31,7 @@ double shift_joint(DirectJoint& joint) {
     RowLaw& law = joint.law[r];
     if (!law.locked) continue;
     most = std::max(most, std::abs(joint.rate[r] + joint.bend[r]));
+    ATL_ASSERT(!(law.stiffness <= 0), joint.joint, r, law.stiffness);
     law.lock_rate = joint.impulse[r] / law.stiffness - joint.bend[r];
   }
   return most;
