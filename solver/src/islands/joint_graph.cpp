@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/tendon.h>
 #include <solver/islands/joint_graph.h>
 
@@ -10,6 +11,7 @@ namespace {
 // The lowest of each set is its root.
 std::uint32_t find(jobs::CompactArray<std::uint32_t>& parent, std::uint32_t body) {
   while (parent[body] != body) {
+    ATL_ASSERT(parent[body] < body, body, parent[body]);
     parent[body] = parent[parent[body]];
     body = parent[body];
   }
@@ -19,6 +21,7 @@ std::uint32_t find(jobs::CompactArray<std::uint32_t>& parent, std::uint32_t body
 }  // namespace
 
 void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8_t> acts, const BodyTable& bodies) {
+  ATL_ASSERT(acts.size() == joints.size(), acts.size(), joints.size());
   links_.clear();
   ties_.clear();
   component_of_.assign(joints.size(), none);
@@ -31,6 +34,8 @@ void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8
     if (joints[joint].is_tendon()) {
       add_tendon(joints, joint, bodies);
     } else if (dynamic(first) || dynamic(second)) {
+      ATL_ASSERT(first != second && first < bodies.size() && second < bodies.size(), joint, first, second,
+                 bodies.size());
       links_.push_back({first, second, joint});
     }
   }
@@ -57,6 +62,7 @@ void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8
     ++start_[component_of_[link.joint] + 1];
   }
   std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  ATL_ASSERT(start_.back() == links_.size(), start_.back(), links_.size());
   sorted_.resize(links_.size());
   std::vector<std::uint32_t> cursor(start_.begin(), start_.end());
   for (const JointLink& link : links_) sorted_[cursor[component_of_[link.joint]]++] = link;
@@ -103,6 +109,7 @@ void JointGraph::count_parallel(std::span<const Joint> joints, const BodyTable& 
 }
 
 std::span<const JointLink> JointGraph::links_of(std::uint32_t component) const {
+  ATL_ASSERT(component < component_count(), component, component_count());
   return std::span(sorted_).subspan(start_[component], start_[component + 1] - start_[component]);
 }
 

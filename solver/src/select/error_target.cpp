@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/select/error_target.h>
 #include <solver/tuning.h>
 
@@ -30,6 +31,7 @@ std::size_t place_exceeded_by(std::uint32_t beyond, const ByRung& by_rung, std::
 int rung_of(double square) { return rung_at(place_of_rung(square)); }
 
 void ErrorCounts::add(double error, double substeps, double target) {
+  ATL_ASSERT(substeps >= 1 && target > 0 && !(error < 0), error, substeps, target);
   ++counted_;
   const std::size_t place = place_of_rung(error * substeps * substeps / (tuning::target_margin * target));
   ++by_rung_[place];
@@ -56,6 +58,7 @@ void ErrorCounts::operator+=(const ErrorCounts& other) {
 }
 
 ErrorNeed ErrorCounts::need(double target) const {
+  ATL_ASSERT(missed_ <= counted_ && follow_ <= missed_, counted_, missed_, follow_);
   constexpr std::uint32_t one_in = 100;
   const std::uint32_t beyond = counted_ / one_in;
   int substeps = rung_at(place_exceeded_by(beyond, by_rung_, highest_));

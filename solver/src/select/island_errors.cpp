@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/select/island_errors.h>
 #include <solver/tuning.h>
@@ -129,6 +130,7 @@ void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contact
     const double error = overlap(manifold);
     if (!(error > 0)) continue;
     const double made = made_in(substeps, pair.first, pair.second, input.asked * input.parts);
+    ATL_ASSERT(made >= 1, pair.slot, made);
     if (error <= least) {
       counts.add_small(error, made);
     } else if (error > target) {

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <jobs/prefetch.h>
 #include <solver/select/load_estimate.h>
 #include <solver/tuning.h>
@@ -42,6 +43,7 @@ LoadEstimate::Overload LoadEstimate::of(const LoadInput& input, std::size_t isla
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = bodies[i];
     const double inverse_mass = input.bodies.inverse_mass[body];
+    ATL_ASSERT(inverse_mass > 0, body, inverse_mass);
     nodes_[i] = {.height = static_cast<float>(up.dot(input.bodies.position(body)) - ground),
                  .load = static_cast<float>(g * input.bodies.gravity_scale[body] / inverse_mass),
                  .inverse_mass = static_cast<float>(inverse_mass),
@@ -67,6 +69,8 @@ LoadEstimate::Overload LoadEstimate::of(const LoadInput& input, std::size_t isla
     if (!(second_above ? second_moves : first_moves)) continue;
     const std::uint32_t first = first_moves ? input.islands.rank(pair.first) - first_rank : Islands::none;
     const std::uint32_t second = second_moves ? input.islands.rank(pair.second) - first_rank : Islands::none;
+    ATL_ASSERT(first == Islands::none || first < nodes_.size(), pair.first, first, nodes_.size());
+    ATL_ASSERT(second == Islands::none || second < nodes_.size(), pair.second, second, nodes_.size());
     const std::uint32_t above = second_above ? second : first, below = second_above ? first : second;
     float thickness = infinite, give = softness;
     if (first_moves) thickness = thickness_square(normal, row(manifold.anchor_first));
@@ -98,6 +102,7 @@ LoadEstimate::Overload LoadEstimate::of(const LoadInput& input, std::size_t isla
       const Support& support = supports_[s];
       const std::uint32_t below = support.below;
       if (below != Islands::none && nodes_[below].height < node.height) {
+        ATL_ASSERT(nodes_[below].on_top > 0, island, below);
         nodes_[below].load += load;
         if (--nodes_[below].on_top == 0) free_.push_back(below);
       }

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/select/motion_error.h>
 #include <solver/tuning.h>
 
@@ -34,6 +35,9 @@ void MotionError::begin(const BodyTable& bodies, std::span<const std::uint32_t> 
 }
 
 double MotionError::end(const BodyTable& bodies, std::uint32_t body, double dt, double substep) {
+  ATL_ASSERT(body < before_.size() && before_.size() <= acceleration_.size(), body, before_.size(),
+             acceleration_.size());
+  ATL_ASSERT(dt > 0 && substep > 0, dt, substep);
   const Acceleration velocity = velocity_of(bodies, body);
   Acceleration& last = acceleration_[body];
   const bool first = last == unknown;

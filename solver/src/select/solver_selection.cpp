@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <jobs/scratch.h>
 #include <solver/select/joint_selection.h>
 #include <solver/select/landing.h>
@@ -38,6 +39,7 @@ SolveMode estimated_mode(const LoadInput& input, std::size_t island) {
 }  // namespace
 
 int refinement_of(const SolverSettings& settings, double dt) {
+  ATL_ASSERT(settings.substeps >= 1 && std::isfinite(dt), settings.substeps, dt);
   constexpr double rounding = 1 + 1e-9;
   int times = 1;
   while (dt / (settings.substeps * times) > rounding * tuning::refined_substep) times *= 2;
@@ -90,6 +92,7 @@ SolveMode SolverSelection::mode_by_load(const LoadInput& input, std::size_t isla
   if (input.islands.contact_count(island) == 0) return SolveMode::Sweep;
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
   const auto count = static_cast<std::uint32_t>(bodies.size());
+  ATL_ASSERT(bodies.back() < findings_.size(), island, bodies.back(), findings_.size());
   const SolveMode before = findings_[bodies.front()].mode;
   const auto is_same = [&](std::uint32_t body) {
     return findings_[body].mode == before && findings_[body].bodies == count;
@@ -219,6 +222,7 @@ bool SolverSelection::is_joined(std::size_t island) const {
 }
 
 const char* SolverSelection::why(std::size_t island) const {
+  ATL_ASSERT(island < modes_.size(), island, modes_.size());
   if (is_joined(island)) return "joints that are solved at once and contacts push on each other";
   switch (modes_[island]) {
     case SolveMode::Landing:
@@ -235,6 +239,7 @@ void SolverSelection::note_failed(std::span<const std::uint32_t> failed, std::sp
   const auto step = static_cast<float>(dt);
   for (const std::uint32_t body : failed_) {
     float& left = findings_[body].swept;
+    ATL_ASSERT(left > 0, body, left);
     if (awake[body]) left = left < 1.5f * step ? 0 : left - step;  // but for rounding
   }
   for (const std::uint32_t body : failed) findings_[body].swept = tuning::failed_time;

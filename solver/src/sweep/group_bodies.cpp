@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/constraints/contact_inertia.h>
 #include <solver/integrate/free_flight.h>
@@ -58,6 +59,7 @@ void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
 }
 
 void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse) {
+  ATL_ASSERT(!((inverse - inverse.transpose()).norm() > 1e-6 * inverse.norm()), local, inverse.norm());
   for (VelocityRows* velocity : {&rows.velocity[local], &rows.start_velocity[local]}) {
     velocity->inertia_xx = static_cast<float>(inverse(0, 0));
     velocity->inertia_yy = static_cast<float>(inverse(1, 1));
@@ -87,6 +89,9 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
     const std::uint32_t body = bodies[i];
     const std::size_t local = first_dynamic + i;
     const bool heavier = is_seen_heavier(table, body) && input.islands.joint_count(input.islands.island_of(body)) == 0;
+    ATL_ASSERT(table.mobility[body] == Mobility::Dynamic && local < rows.velocity.size(), body, local,
+               rows.velocity.size());
+    ATL_ASSERT(!heavier || local < approaches.size(), body, local, approaches.size());
     if (!rows.shape.empty()) load_shape(input, body, local, rows);
     const double swing = heavier ? swing_in_contact(table, body, approaches[local], input.dt) : 0;
     Matrix3 inverse_inertia =

@@ -1,5 +1,6 @@
 #include <features/with_surfaces.h>
 #include <jobs/arrays.h>
+#include <jobs/assert.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/sweep/group_contacts.h>
 
@@ -27,6 +28,8 @@ void GroupContacts::collect(const SolveInput& input, const IslandGroup& group, c
     const bool rolls = input.bodies.ball[pair.first] || input.bodies.ball[pair.second];  // it has one point
     const int movable = first == 0 ? 1 : second == 0 ? 2 : 0;
     const int kind = 8 * movable + 4 * rolls + 2 * rubs + bounces;
+    ATL_ASSERT(std::max(first, second) >= bodies.first_dynamic(), pair.slot, first, second, bodies.first_dynamic());
+    ATL_ASSERT(std::max(first, second) < bodies.count(), pair.slot, first, second, bodies.count());
     contacts_.push_back({first, second, pair.slot, static_cast<std::uint8_t>(kind)});
     friction_ |= rubs;
     restitution_ |= bounces;
@@ -131,6 +134,7 @@ void GroupContacts::note_pushes(std::size_t begin, std::size_t end) {
 }
 
 void GroupContacts::add_impulses(std::size_t begin, std::size_t end) {
+  ATL_ASSERT(step_impulses_.size() == block_count() && end <= block_count(), step_impulses_.size(), block_count(), end);
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = blocks_[b];
     for (std::size_t i = 0; i < block.traits.points; ++i) {
@@ -148,6 +152,7 @@ void GroupContacts::tell_pushes(float* by_slot) const {
       float spent = 0;
       for (std::size_t i = 0; bounces && i < blocks_[b].traits.points; ++i) spent += bounces_[b].spent[i][lane];
       const bool pushes = spent > 0 || (pushes_[b] >> lane & 1u) != 0;
+      ATL_ASSERT(!(spent < 0) && !(step_impulses_[b][lane] < 0), slot, spent, step_impulses_[b][lane]);
       by_slot[slot] = pushes ? step_impulses_[b][lane] + spent : not_pushed;
     }
   }

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <jobs/prefetch.h>
 #include <solver/constraints/arm_stiffness.h>
 #include <solver/constraints/row_law.h>
@@ -58,6 +59,7 @@ void set_coordinate(JointCoordinateBlock& of, std::size_t lane, const Joint& joi
   const Law& law = joint.law[r];
   const Coordinate coordinate = joint.coordinate[r];
   const double base = base_of(coordinate, joint.position[r]);
+  ATL_ASSERT(law.lower <= law.upper, joint.first, joint.second, r, law.lower, law.upper);
   of.coordinate[lane] = static_cast<float>(coordinate);
   of.locked[lane] = law.locked() ? 1 : 0;
   of.idles[lane] = !law.locked() && !law.drives() && !law.looks_back() && law.friction == 0 ? 1 : 0;
@@ -90,9 +92,11 @@ void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const
 void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free, double h,
                  double leak) {
   const double mass = row.mass[lane];
+  ATL_ASSERT(!(mass <= 0) && !(free <= 0), lane, mass, free);
   const LinearStep spring =
       law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, h) : LinearStep{};
   const double share = 1 / (1 + spring.hold);
+  ATL_ASSERT(!(share < 0) && !(share > 1), lane, spring.hold);
   row.spring_scale[lane] = static_cast<float>(share);
   row.spring_keep[lane] = static_cast<float>(share * spring.keep);
   row.spring_shift[lane] = row.next_spring_shift[lane];
@@ -213,6 +217,8 @@ void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::si
     for (std::size_t lane = 0; lane < block_lanes && block.rows > 0; ++lane) {
       if (block.joint[lane] < 0) continue;
       const Joint& joint = step.joints[block.joint[lane]];
+      ATL_ASSERT(joint.rows <= block.rows && block.first_row + block.rows <= rows_.size(), block.joint[lane],
+                 joint.rows, block.rows, rows_.size());
       set_frames(frames_[b], lane, joint, step.table);
       for (std::size_t r = 0; r < joint.rows; ++r) {
         const std::size_t row = block.first_row + r;
@@ -267,6 +273,7 @@ void GroupJoints::note_rates(const JointStep& step, std::size_t begin, std::size
 }
 
 bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::size_t end) {
+  ATL_ASSERT(row_rates_.size() == rows_.size() * block_lanes, row_rates_.size(), rows_.size());
   bool any = false;
   for (std::size_t b = begin; b < end; ++b) {
     JointBlock& block = blocks_[b];
@@ -306,6 +313,8 @@ void GroupJoints::begin_bounces() {
 }
 
 void GroupJoints::end_bounces() {
+  ATL_ASSERT(blocks_before_.size() == blocks_.size() && rows_before_.size() == rows_.size(), blocks_before_.size(),
+             blocks_.size(), rows_before_.size(), rows_.size());
   std::copy(blocks_before_.begin(), blocks_before_.end(), blocks_.begin());  // kernels look for them there
   std::copy(rows_before_.begin(), rows_before_.end(), rows_.begin());
 }

@@ -1,5 +1,6 @@
 #include <features/with_joints.h>
 #include <features/with_restitution.h>
+#include <jobs/assert.h>
 #include <jobs/worker_team.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/sweep/group_solver.h>
@@ -35,6 +36,7 @@ template <typename Executor>
 GroupReport GroupSolver::run(const SolveInput& input, const IslandGroup& group, Executor& executor,
                              GroupColours colours) {
   SubstepConstants constants = SubstepConstants::of(input.settings, input.dt);
+  ATL_ASSERT(input.settings.substeps >= 1 && input.dt > 0, input.settings.substeps, input.dt);
   constants.gravity = static_cast<float>(input.gravity.norm());
   GroupReport report;
   PhaseClock clock(input.settings.profile, report.phase_ms);

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/sweep/group_tendons.h>
 #include <solver/tuning.h>
 
@@ -51,6 +52,7 @@ double beyond(const Law& law, double length) {
 
 void GroupTendons::place(const JointStep& step, Tendon& tendon) {
   const Joint& of = step.joints[tendon.joint];
+  ATL_ASSERT(of.is_tendon() && tendon.terms == of.terms, tendon.joint, tendon.terms, of.terms);
   tendon.pulled.count = 0;
   tendon.length = 0;
   for (std::size_t i = 0; i < tendon.terms; ++i) {
@@ -70,6 +72,7 @@ void GroupTendons::place(const JointStep& step, Tendon& tendon) {
     tendon.response += inverse_mass * body.linear.squaredNorm() +
                        body.angular.dot(product(inverse_inertia_of(step.bodies, body.body), body.angular));
   }
+  ATL_ASSERT(!(tendon.response < 0), tendon.joint, tendon.response);
 }
 
 void GroupTendons::begin_step(const JointStep& step) {

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/sweep/impact_contact.h>
 #include <solver/tuning.h>
 
@@ -50,6 +51,7 @@ struct Acting {
   double rub(Friction friction) const {
     const double pushed = load();
     const double bound = contact.friction.coefficient * pushed;
+    ATL_ASSERT(!(bound < 0), contact.block, contact.lane, bound);
     const std::array<double, 3> now = slip();
     const auto& [m11, m12, m22] = contact.friction.mass;
     std::array<double, 3>& impulse = contact.friction.impulse;
@@ -66,6 +68,8 @@ struct Acting {
       const double length = length_of(impulse[0], impulse[1]);
       for (int axis : {0, 1}) impulse[axis] *= length > bound ? bound / length : 1;
     }
+    ATL_ASSERT(friction == Friction::Pyramid || !(length_of(impulse[0], impulse[1]) > bound * (1 + 1e-9)),
+               contact.block, contact.lane, impulse[0], impulse[1], bound);
     const double twist_bound = bound * contact.friction.radius + contact.friction.torsional * pushed;
     impulse[2] = std::clamp(impulse[2] - contact.friction.twist_mass * now[2], -twist_bound, twist_bound);
     apply((impulse[0] - before[0]) * contact.axes[1] + (impulse[1] - before[1]) * contact.axes[2],
@@ -137,6 +141,7 @@ void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, Fr
   const double wanted = std::min(all.linear + all.square, all.given);
   const double root = all.linear * all.linear + 4 * all.square * wanted;
   const double scale = all.square > 0 && root > 0 ? (std::sqrt(root) - all.linear) / (2 * all.square) : 1;
+  ATL_ASSERT(!(scale < 0), contacts.size(), all.linear, all.square, all.given);
   each([&](const Acting& acting) {
     ImpactContact& contact = acting.contact;
     const auto& [normal, tangent, other] = contact.axes;

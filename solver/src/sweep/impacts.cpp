@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/sweep/impacts.h>
 #include <solver/tuning.h>
@@ -156,6 +157,11 @@ void Impacts::list_lanes(const ContactKernelData& data) {
     }
   };
   first_.assign(number_.size() + 2, 0);
+  if constexpr (jobs::with_asserts) {
+    each([&](std::int32_t body, std::uint32_t lane) {
+      ATL_ASSERT(body >= 0 && static_cast<std::size_t>(body) < number_.size(), body, lane, number_.size());
+    });
+  }
   each([&](std::int32_t body, std::uint32_t) { ++first_[static_cast<std::size_t>(body) + 2]; });
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   lanes_.resize(first_.back());
@@ -163,6 +169,7 @@ void Impacts::list_lanes(const ContactKernelData& data) {
 }
 
 std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t local) {
+  ATL_ASSERT(local < number_.size(), local, number_.size());
   std::uint32_t& number = number_[local];
   if (number != none) return number;
   number = static_cast<std::uint32_t>(bodies_.size());
@@ -226,6 +233,7 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
     contact.time = std::min(contact.time, time);
   }
   if (!bounces) return;
+  ATL_ASSERT(!(contact.time < 0) && !(contact.time > h), b, lane, contact.time, h);
   // A body that swept joints hold is not put elsewhere, so it bounces where it is next to the surface: now, or as the
   // next substep begins.
   if (contact.time > 0.5 * h && (is_held(data, first.local) || is_held(data, second.local))) {
@@ -247,6 +255,7 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
     ImpactContact::Point& point = contact.points[i];
     if (!point.hits) continue;
     point.mass = contact.mass_of(point, first, second);
+    ATL_ASSERT(!(point.mass < 0), b, lane, i, point.mass);
     point.closing = contact.parting_speed(point, first, second);
     if (!point.bounces) continue;
     point.parting = -restitution * std::min(point.closing + contact.pulled, 0.0) - contact.pulled;

@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/sweep/joined_motion.h>
 
 namespace atl::solver {
@@ -23,6 +24,8 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
     }
     for (const std::uint32_t body : {link.first, link.second}) {
       if (dynamic(body)) {
+        ATL_ASSERT(place(body) < component_.size(), body, place(body), component_.size());
+        ATL_ASSERT(component_[place(body)] == none || component_[place(body)] == number, body, number);
         component_[place(body)] = number;
       } else {
         components_[number].anchored = true;
@@ -42,6 +45,7 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
 
 void JoinedMotion::note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies,
                                const Vector3& gravity) {
+  ATL_ASSERT(body_ids.size() == component_.size(), body_ids.size(), component_.size());
   for (Component& component : components_) {
     component.mass = 0;
     component.acceleration.setZero();

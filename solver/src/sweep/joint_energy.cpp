@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/sweep/joint_energy.h>
 #include <solver/tuning.h>
 
@@ -44,6 +45,7 @@ bool JointEnergy::find_scales(const JoinedMotion& motion, std::uint32_t first_dy
   for (std::size_t c = 0; c < components_.size(); ++c) {
     Change& change = components_[c];
     if (!motion.is_closed(c)) continue;
+    ATL_ASSERT(!(change.before < 0) && !(change.square < 0), c, change.before, change.square);
     const double tolerance = tuning::energy_tolerance * change.before;
     if (!(change.linear + change.square > tolerance + change.allowed)) continue;
     change.scale = static_cast<float>(change.greatest_scale());

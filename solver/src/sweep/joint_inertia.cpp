@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <solver/sweep/group_bodies.h>
 #include <solver/sweep/joint_inertia.h>
 #include <solver/tuning.h>
@@ -14,6 +15,7 @@ void JointInertia::stiffen(const SolveInput& input, std::span<const std::uint32_
   constexpr double negligible = 1e-3;  // of the inertia
   const double h = input.dt / input.settings.substeps;
   for (std::size_t i = begin; i < end; ++i) {
+    ATL_ASSERT(first_dynamic_ + i < stiffness_.size(), bodies[i], i, stiffness_.size());
     Matrix3& added = stiffness_[first_dynamic_ + i];
     added *= h * h;
     const Matrix3& own = input.bodies.inertia[bodies[i]];
@@ -43,6 +45,7 @@ void JointInertia::find_followers(const SolveInput& input, std::span<const std::
 void JointInertia::follow(const SolveInput& input, std::span<const std::uint32_t> bodies, SolverBodies& rows) {
   for (Follower& follower : followers_) {
     const std::size_t local = first_dynamic_ + follower.place;
+    ATL_ASSERT(follower.place < bodies.size(), follower.place, bodies.size());
     const std::uint32_t body = bodies[follower.place];
     const Vector3 spin = get3(rows.velocity[local].angular);
     if (!(spin_of(rows, local).squaredNorm() > tuning::least_spin * tuning::least_spin)) continue;

@@ -1,4 +1,5 @@
 #include <collision/contacts/refresh.h>
+#include <jobs/assert.h>
 #include <solver/constraints/stored_energy.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/motion_locks.h>
@@ -21,6 +22,7 @@ bool turns_blindly(const SolveInput& input, std::uint32_t body) {
   const double dt = input.dt;
   if (!bodies.gyroscopic[body]) return false;
   const double most = bodies.moments[body].maxCoeff(), least = bodies.moments[body].minCoeff();
+  ATL_ASSERT(least > 0 && least <= most, body, least, most);
   const double spin = bodies.angular_velocity(body).norm();
   const double fall = dt * linear_acceleration(bodies, body, input.gravity).norm();
   const double struck = (bodies.velocity(body).norm() + fall) / std::sqrt(most * bodies.inverse_mass[body]);
@@ -43,6 +45,7 @@ bool is_deep(const SolveInput& input, std::size_t island) {
          std::any_of(contacts.begin(), contacts.end(), [&](const TouchingPair& pair) {
            const float* const separation = input.manifolds[pair.slot].separation;
            const collision::Contact& contact = input.contacts[pair.slot];
+           ATL_ASSERT(contact.count >= 1 && contact.count <= collision::max_points, pair.slot, contact.count);
            const float deepest = *std::min_element(separation, separation + contact.count);
            return deepest < -tuning::deep_overlap * contact.size;
          });
