@@ -4,6 +4,7 @@
 #include <atoll/error.h>
 #include <atoll/snapshot.h>
 #include <jobs/arena.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <array>
@@ -160,6 +161,7 @@ Batch::Batch(const Scene& scene, std::size_t worlds, int threads)
   const WorldDef def = {.gravity = scene.gravity, .settings = scene.settings};
   World first(def);
   impl_->bodies = build_scene(scene, first, impl_->joints);
+  ATL_ASSERT(impl_->bodies.size() == scene.bodies.size(), impl_->bodies.size(), scene.bodies.size());
   check_memory(first, worlds);
   impl_->worlds.reserve(worlds);
   impl_->worlds.push_back(std::move(first));

@@ -2,6 +2,7 @@
 
 #include <atoll/error.h>
 #include <atoll/rollout.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -271,6 +272,7 @@ std::vector<std::vector<double>> roll_out(Batch& batch, const Rollout& rollout, 
           for (std::size_t i = 0; i < kept.size(); ++i) {
             const std::size_t size = Batch::rows_of(rollout.keep[i]) * count_in(rollout.keep[i], batch);
             const std::size_t before = given.numbers[place] * rollout.steps + step;
+            ATL_ASSERT((before + 1) * size <= kept[i].size(), place, step, i, before, kept[i].size());
             read_column(world, batch, rollout.keep[i], kept[i].data() + before * size);
           }
         }

@@ -1,5 +1,7 @@
 #include "mechanism/dynamics.h"
 
+#include <jobs/assert.h>
+
 namespace atl::mechanism {
 namespace {
 
@@ -54,6 +56,8 @@ Weights weights(const Tree& tree, const World& world, const Kinematics& at) {
 
 // Featherstone, section 6.2: of vectors in one frame the composite inertias are sums.
 MatrixXd mass_matrix(const Tree& tree, const Kinematics& at, const Weights& weights) {
+  ATL_ASSERT(weights.mass.size() == tree.links.size() && at.poses.size() == tree.links.size(), weights.mass.size(),
+             at.poses.size(), tree.links.size());
   MatrixXd matrix = weights.armature.asDiagonal();
   std::vector<Matrix6> composite = weights.inertia;
   for (std::size_t i = tree.links.size(); i-- > 0;) {
@@ -72,6 +76,7 @@ MatrixXd mass_matrix(const Tree& tree, const Kinematics& at, const Weights& weig
     });
     if (link.parent != Link::none) composite[link.parent] += composite[i];
   }
+  ATL_ASSERT((matrix.diagonal().array() > 0).all(), tree.nv);
   return matrix;
 }
 

@@ -1,5 +1,6 @@
 #include "mechanism/kinematics.h"
 
+#include <jobs/assert.h>
 #include <solver/integrate/free_flight.h>
 
 namespace atl::mechanism {
@@ -193,6 +194,8 @@ VectorXd read_v(const Tree& tree, const World& world) {
 }
 
 Kinematics kinematics(const Tree& tree, const World& world, const VectorXd& q, const VectorXd& v) {
+  ATL_ASSERT(static_cast<std::size_t>(q.size()) == tree.nq && static_cast<std::size_t>(v.size()) == tree.nv, q.size(),
+             tree.nq, v.size(), tree.nv);
   Kinematics result{.origin = world.centre_of_mass(tree.links[0].body),
                     .axes = Matrix6X::Zero(6, static_cast<Eigen::Index>(tree.nv))};
   Walk base{tree, world, q, v, result};
@@ -243,6 +246,7 @@ VectorXd integrate(const Tree& tree, const VectorXd& q, const VectorXd& v) {
 }
 
 MatrixXd jacobian_at(const Tree& tree, const Kinematics& at, std::size_t link, const Vector3& point) {
+  ATL_ASSERT(link < tree.links.size(), link, tree.links.size());
   MatrixXd jacobian = MatrixXd::Zero(6, static_cast<Eigen::Index>(tree.nv));
   for (std::size_t i = link; i != Link::none; i = tree.links[i].parent) {
     for_each_place(tree.links[i], [&](Eigen::Index column) {

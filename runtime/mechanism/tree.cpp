@@ -1,6 +1,7 @@
 #include "mechanism/tree.h"
 
 #include <atoll/error.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <map>
@@ -129,6 +130,7 @@ void grow(const World& world, const std::set<BodyId>& members, Tree& tree) {
   const auto visit = [&](BodyId body, std::size_t link) {
     for (const JointId id : joints_of(stores, body)) {
       const JointDef& joint = world.joint(id);
+      ATL_ASSERT(joint.first == body || joint.second == body, id.index, body.index);
       const BodyId other = other_body(joint, body);
       const bool dynamic = world.type(other) == BodyType::Dynamic;
       if (used.contains(id) || (link == Link::none && !members.empty() && !members.contains(other))) continue;
@@ -215,8 +217,11 @@ Tree make_tree(const World& world, BodyId base) {
   for (const Link& link : tree.links) {
     check_body(world, link.body);
     tree.bodies.push_back(link.body);
+    ATL_ASSERT(link.parent == Link::none || link.parent + 1 < tree.bodies.size(), link.body.index, link.parent,
+               tree.bodies.size());
   }
   number_coordinates(world, tree);
+  ATL_ASSERT(tree.joints.size() == tree.links.size(), tree.joints.size(), tree.links.size());
   tree.enabled_joints = count_joints(tree, MechanismAccess::stores(world));
   return tree;
 }

@@ -1,5 +1,7 @@
 #include "state/restore.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 #include <cstring>
 #include <iterator>
@@ -143,6 +145,7 @@ std::vector<collision::Pair> pairs_kept_apart(const Stores& world) {
 
 void restore_disabled_pairs(Stores& world, std::span<const collision::Pair> pairs,
                             std::span<const collision::Pair> apart_before) {
+  ATL_ASSERT(std::is_sorted(apart_before.begin(), apart_before.end()), apart_before.size());
   world.records.disabled_pairs.clear();
   for (const collision::Pair& pair : pairs) world.records.disable_pair(pair.first, pair.second);
   const std::vector<collision::Pair> apart = pairs_kept_apart(world);

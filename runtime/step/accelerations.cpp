@@ -1,3 +1,5 @@
+#include <jobs/assert.h>
+
 #include <algorithm>
 #include <string>
 
@@ -9,6 +11,7 @@ namespace atl {
 namespace {
 
 void change_by_time(const jobs::CompactArray<double>& now, double dt, std::vector<double>& before) {
+  ATL_ASSERT(before.empty() || before.size() == now.size(), before.size(), now.size());
   for (std::size_t i = 0; i < before.size(); ++i) before[i] = (now[i] - before[i]) / dt;
 }
 

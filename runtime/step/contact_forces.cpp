@@ -1,3 +1,4 @@
+#include <jobs/assert.h>
 #include <jobs/prefetch.h>
 #include <solver/integrate/motion_locks.h>
 
@@ -47,6 +48,7 @@ class PointForces {
  public:
   PointForces(const Stores& world, const collision::ContactManifold& manifold)
       : manifold_(manifold), per_impulse_(1 / world.clock.last_substep) {
+    ATL_ASSERT(world.clock.last_substep > 0, world.clock.last_substep);
     for (const float impulse : manifold.normal_impulse) total_ += std::abs(static_cast<double>(impulse));
   }
 

@@ -1,5 +1,7 @@
 #include "step/contact_phase.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -64,6 +66,7 @@ AskedAgain take_asked_again(Stores& world) {
   again.refused.assign(asked, choices.refused.end());
   choices.refused.erase(asked, choices.refused.end());
   choices.refiltered.clear();
+  ATL_ASSERT(std::is_sorted(again.refused.begin(), again.refused.end()), again.refused.size());
   return again;
 }
 
@@ -299,6 +302,7 @@ void ContactPhase::remove_lost(Stores& world) {
   if (update_.counts.lost > 0) {
     std::size_t i = 0;
     world.cache.remove_if([&](std::uint32_t) { return update_.status[i++] == collision::ContactStatus::Lost; });
+    ATL_ASSERT(i == update_.status.size(), i, update_.status.size());
   }
   cache_changes_ = world.cache.changes();
 }

@@ -1,4 +1,5 @@
 #include <atoll/errors.h>
+#include <jobs/assert.h>
 #include <solver/integrate/motion_locks.h>
 
 #include <cmath>
@@ -60,6 +61,7 @@ ContactProblem contact_problem(const Stores& world, std::span<const solver::Touc
                                 .friction_impulse = friction - normal.dot(friction) * normal,
                                 .torsional_impulse = answer.torsional_impulse,
                                 .step = answer.step == substep ? 0 : answer.step};
+    ATL_ASSERT(patch.first != patch.second, pair.slot, pair.first, pair.second);
     if (!world.surface_contacts.empty()) {
       const solver::SurfaceContact& surface = world.surface_contacts[pair.slot];
       const Vector3 rolling = vector(answer.rolling_impulse);
@@ -90,6 +92,7 @@ std::vector<double> island_residuals(const ContactProblem& problem, const solver
     double residual = 0, free = 0, change = 0;
   };
   const ResidualReport report = measure_contact_residual(problem);
+  ATL_ASSERT(report.by_patch.size() == problem.patches.size(), report.by_patch.size(), problem.patches.size());
   std::vector<Sums> sums(islands.count());
   for (std::size_t i = 0; i < problem.patches.size(); ++i) {
     for (const std::size_t body : {problem.patches[i].first, problem.patches[i].second}) {

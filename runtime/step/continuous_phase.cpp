@@ -2,6 +2,7 @@
 
 #include <features/with_joints.h>
 #include <jobs/arrays.h>
+#include <jobs/assert.h>
 #include <solver/constraints/joint.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/integrate/motion.h>
@@ -153,6 +154,7 @@ void ContinuousPhase::stop(Stores& world, const IslandPhase& islands, const CcdS
       if (stop.t < 1) world.bodies.velocity(body) -= (1 - stop.t) * fall;
     } else {
       // The work of its weight on the way that it doesn't go: it would gain that in each step that it is stopped.
+      ATL_ASSERT(world.bodies.inverse_mass[body] > 0, body, world.bodies.inverse_mass[body]);
       const Vector3 weight = world.bodies.gravity_scale[body] / world.bodies.inverse_mass[body] * world.gravity;
       const double undone = weight.dot(world.bodies.position(body) - pose.position);
       if (undone > 0) solver::slow_down(world.bodies, {&body, 1}, solver::Momentum::Take, undone);

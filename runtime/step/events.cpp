@@ -1,6 +1,7 @@
 #include "step/events.h"
 
 #include <features/with_joints.h>
+#include <jobs/assert.h>
 #include <solver/constraints/tendon.h>
 
 #include <algorithm>
@@ -83,6 +84,7 @@ void add_to_event(std::span<const ContactHit> hits, ContactEvent& event) {
 // The event of two bodies that touch. `before`: their hits by contacts that don't touch as the step ends.
 ContactEvent touch(const Stores& world, const std::pair<BodyId, BodyId>& pair, std::span<const ContactHit> before,
                    const ContactPushes& pushes, double substep) {
+  ATL_ASSERT(pair.first < pair.second, pair.first.index, pair.second.index);
   ContactEvent event{.a = pair.first, .b = pair.second, .began = true};
   std::vector<ContactHit> hits(before.begin(), before.end());
   Vector3 by_force[2] = {Vector3::Zero(), Vector3::Zero()};
@@ -174,6 +176,9 @@ void note_events(Stores& world, ContactEvents& events, const ContactPushes& push
   }
   events.touched.insert(events.touched.end(), active, events.now.end());
 
+  ATL_ASSERT(std::is_sorted(events.touched.begin(), events.touched.end()), events.touched.size());
+  ATL_ASSERT(std::adjacent_find(events.touched.begin(), events.touched.end()) == events.touched.end(),
+             events.touched.size());
   const double substep = world.clock.dt / step.substeps;
   const auto touch_now = [&](const std::pair<BodyId, BodyId>& pair) {
     const std::span<const ContactHit> before_end(std::ranges::equal_range(hits, pair, {}, &ContactHit::pair));
@@ -205,6 +210,7 @@ void note_events(Stores& world, ContactEvents& events, const ContactPushes& push
 }
 
 void watch_joint(Stores& world, std::uint32_t joint) {
+  ATL_ASSERT(world.joints.acts[joint] != 0, joint);
   const solver::Joint& j = world.joints.joints[joint];
   const JointId id{joint, world.joints.generation[joint]};
   const JointTable::Limits before = world.joints.limit_before[joint];
@@ -235,6 +241,7 @@ void watch_joint(Stores& world, std::uint32_t joint) {
 void keep_driven_awake(Stores& world, std::uint32_t joint) {
   const solver::Joint& j = world.joints.joints[joint];
   if (j.is_tendon()) {
+    ATL_ASSERT(j.law[0].motor_speed != 0, joint);
     const double rate = tendon_now(j, world.joints.joints.data(), world.bodies).rate;
     if (rate / j.law[0].motor_speed > 0.5) wake_joined_by(world, joint);
     return;
@@ -261,6 +268,8 @@ void keep_velocities(const Stores& world, std::vector<BodyVelocity>& velocities)
 
 void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, std::vector<ContactHit>& hits) {
   if (pushes.impulse.empty()) return;
+  ATL_ASSERT(pushes.impulse.size() == world.cache.contacts.size(), pushes.impulse.size(), world.cache.contacts.size());
+  ATL_ASSERT(pushes.velocities.size() == world.bodies.size(), pushes.velocities.size(), world.bodies.size());
   for (const std::uint32_t slot : world.cache.order().slots()) {
     if (pushes.impulse[slot] < 0) continue;
     if (ends_step && touches(world.cache.contacts[slot], world.cache.manifolds[slot])) continue;

@@ -1,6 +1,7 @@
 #include "step/forced_step.h"
 
 #include <features/with_recording.h>
+#include <jobs/assert.h>
 
 #include <utility>
 
@@ -115,6 +116,8 @@ void ForcedStep::record([[maybe_unused]] bool given) {
 }
 
 void ForcedStep::apply(bool again) {
+  ATL_ASSERT(static_cast<std::size_t>(now_.force_.cols()) == world_.bodies.size(), now_.force_.cols(),
+             world_.bodies.size());
   if (again) {
     for (const Applied& steady : steady_) apply_force(world_, steady.body, steady.force, steady.torque);
   }

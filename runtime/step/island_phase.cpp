@@ -2,6 +2,7 @@
 
 #include <features/with_joints.h>
 #include <jobs/arrays.h>
+#include <jobs/assert.h>
 #include <solver/select/joint_selection.h>
 
 #include <algorithm>
@@ -77,6 +78,8 @@ void IslandPhase::update_joint_graph(Stores& world, double h) {
     longest_substeps_.push_back(solver::longest_substep(links, joints, bodies));
     return solver::joins_directly(links, joints, bodies, method, h > longest_substeps_.back());
   });
+  ATL_ASSERT(longest_substeps_.size() == joint_graph_.component_count(), longest_substeps_.size(),
+             joint_graph_.component_count());
   to_kinematic_.clear();
   assembly_.resize(bodies.size());
   std::fill(bodies.joined.begin(), bodies.joined.end(), std::uint8_t{0});

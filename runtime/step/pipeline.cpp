@@ -79,6 +79,7 @@ void StepMemory::begin(int threads) {
 }
 
 void StepPipeline::run(Stores& world, const StepContext& step) {
+  ATL_ASSERT(world.clock.dt > 0 && step.substeps >= 1, world.clock.dt, step.substeps);
   if (step.rules != nullptr) step.rules->begin_substep();
   const jobs::Borrowed<StepMemory> memory;
   memory->begin(step.arena.threads());

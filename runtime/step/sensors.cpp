@@ -1,6 +1,7 @@
 #include "step/sensors.h"
 
 #include <collision/queries/query.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <compare>
@@ -119,6 +120,8 @@ void Sensor::sweep(std::uint32_t part, std::uint32_t collider, std::vector<Meeti
 }
 
 void Sensor::find_passing(std::vector<Meeting>& found) const {
+  ATL_ASSERT(started().start_positions.size() == world_.bodies.positions.size(), body_,
+             started().start_positions.size(), world_.bodies.positions.size());
   const auto is_sound = [&](std::uint32_t body) { return travel(body).allFinite(); };
   if (!is_sound(body_)) return;
   for (const std::uint32_t body : world_.active.in_order()) {
@@ -142,6 +145,9 @@ void Sensor::find_passing(std::vector<Meeting>& found) const {
 
 // `meetings`: of those within, one each.
 void tell_changes(std::span<const Meeting> meetings, SensorEvents& events) {
+  ATL_ASSERT(meetings.size() == events.within.size(), meetings.size(), events.within.size());
+  ATL_ASSERT(std::is_sorted(events.before.begin(), events.before.end()), events.before.size());
+  ATL_ASSERT(std::is_sorted(events.within.begin(), events.within.end()), events.within.size());
   auto before = events.before.begin();
   auto now = events.within.begin();
   while (before != events.before.end() || now != events.within.end()) {

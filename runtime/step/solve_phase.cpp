@@ -4,6 +4,7 @@
 #include <features/with_joints.h>
 #include <features/with_surfaces.h>
 #include <jobs/arrays.h>
+#include <jobs/assert.h>
 #include <jobs/stopwatch.h>
 #include <jobs/worker_team.h>
 #include <solver/integrate/free_flight.h>
@@ -93,6 +94,23 @@ solver::ErrorInput error_input(const Stores& world, const StepContext& step, con
           .parts = parts_of_step(world, step)};
 }
 
+// Groups have each island once, and those of one group are solved alike.
+void check_groups(std::span<const solver::IslandGroup> groups, std::size_t islands, std::span<const SolveMode> modes,
+                  std::span<const std::uint16_t> substeps) {
+  ATL_ASSERT(modes.empty() || modes.size() == islands, modes.size(), islands);
+  ATL_ASSERT(substeps.empty() || substeps.size() == islands, substeps.size(), islands);
+  std::size_t covered = 0;
+  for (const solver::IslandGroup& group : groups) {
+    ATL_ASSERT(group.begin == covered && group.begin < group.end, group.begin, group.end, covered);
+    covered = group.end;
+    for (std::size_t island = group.begin; island < group.end; ++island) {
+      ATL_ASSERT(modes.empty() || modes[island] == modes[group.begin], group.begin, island);
+      ATL_ASSERT(substeps.empty() || substeps[island] == substeps[group.begin], group.begin, island);
+    }
+  }
+  ATL_ASSERT(covered == islands, covered, islands);
+}
+
 }  // namespace
 
 void SolvePhase::solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips,
@@ -150,6 +168,7 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
   modes_.assign(modes.begin(), modes.end());
   choose_company(world, islands.islands());
   solver::pack_groups(islands.islands(), islands.one_each(), company_, groups_);
+  if constexpr (jobs::with_asserts) check_groups(groups_, islands.islands().count(), modes_, substeps_);
   // Which islands are large follows from the islands alone.
   regrouped_ |= islands.rebuilt();
 }
@@ -275,6 +294,7 @@ void SolvePhase::prepare_direct_solvers(const solver::Islands& islands) {
   std::size_t count = 0;
   for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
     if (mode_of(groups_[g]) != SolveMode::Direct || islands.contact_count(groups_[g].begin) == 0) continue;
+    ATL_ASSERT(groups_[g].end == groups_[g].begin + 1, g, groups_[g].begin, groups_[g].end);
     direct_.of_group.resize(groups_.size(), nullptr);
     if (count == direct_.solvers.size()) direct_.solvers.push_back(std::make_unique<solver::DirectIsland>());
     direct_.of_group[g] = direct_.solvers[count++].get();
@@ -296,6 +316,7 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
     }
     return true;
   }
+  ATL_ASSERT(group < direct_.of_group.size() && direct_.of_group[group] != nullptr, group, direct_.of_group.size());
   solver::DirectIsland& direct = *direct_.of_group[group];
   solver::DirectIslandReport& report = direct_.reports[group];
   const auto begin = jobs::Clock::now();
@@ -401,6 +422,8 @@ void SolvePhase::note_errors(Stores& world, const StepContext& step, std::span<c
   world.control.note(error_input(world, step, phase), error_target(world.settings.target), residuals);
   StepCounts& counts = step.report.counts;
   const auto controlled = world.control.islands();
+  ATL_ASSERT(controlled.size() == islands.count() && substeps_.size() == islands.count(), controlled.size(),
+             substeps_.size(), islands.count());
   for (std::size_t i = 0; i < controlled.size(); ++i) {
     counts.most_substeps = std::max<std::int64_t>(counts.most_substeps, controlled[i].substeps);
     counts.island_bodies += static_cast<std::int64_t>(islands.body_count(i));

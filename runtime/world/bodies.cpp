@@ -2,6 +2,7 @@
 
 #include <features/with_direct_contacts.h>
 #include <features/with_joints.h>
+#include <jobs/assert.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/integrate/motion_locks.h>
 
@@ -105,6 +106,9 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
     body = records.free.back();
     records.free.pop_back();
   }
+  ATL_ASSERT(body < bodies.size() && !records.alive[body], body, bodies.size());
+  ATL_ASSERT(world.colliders.first[body] == collision::ColliderTable::none, body, world.colliders.first[body]);
+  ATL_ASSERT(!world.sleeping.is_asleep(body) && !world.quarantine.contains(body), body);
   ++records.count;
   ++records.version;
   give_constants(world, body, records.pool.share(start.constants));
@@ -138,6 +142,7 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
 void remove_body(Stores& world, std::uint32_t body) {
   solver::BodyTable& bodies = world.bodies;
   BodyRecords& records = world.records;
+  ATL_ASSERT(records.alive[body] && records.count > 0, body, records.count);
   world.results.captured = false;
   if constexpr (with_joints) remove_joints_of(world, body);
   if (world.quarantine.contains(body)) {
@@ -268,6 +273,7 @@ Pose pose_of(const Stores& world, std::uint32_t body) {
 }
 
 void set_pose(Stores& world, std::uint32_t body, const Vector3& origin, const Quaternion& orientation) {
+  ATL_ASSERT(!(std::abs(orientation.squaredNorm() - 1) > 1e-9), body, orientation.norm());
   wake_touching(world, body);
   if constexpr (with_joints) wake_joined(world, body);
   world.sleeping.wake(body);

@@ -1,6 +1,7 @@
 #include "world/colliders.h"
 
 #include <collision/narrowphase/surface_contacts.h>
+#include <jobs/assert.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +41,7 @@ void note_size(Stores& world, std::uint32_t body) {
 
 const Material& material_of(const Stores& world, std::uint32_t collider) {
   const std::uint32_t body = world.colliders.body[collider];
+  ATL_ASSERT(body != collision::ColliderTable::none, collider);
   if (world.contents.own_materials > 0) {
     const CheckedCollider& part = world.records.constants[body]->colliders[world.colliders.child[collider]];
     if (part.material) return *part.material;
@@ -147,6 +149,7 @@ double restitution_of(const Material& a, const Material& b) {
 collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair) {
   const std::uint32_t first = world.colliders.body[pair.first];
   const std::uint32_t second = world.colliders.body[pair.second];
+  ATL_ASSERT(first != second, pair.first, pair.second, first);
   const Material& a = material_of(world, pair.first);
   const Material& b = material_of(world, pair.second);
   const collision::Shape& shape_first = world.colliders.shape[pair.first];

@@ -5,6 +5,7 @@
 
 #include <atoll/error.h>
 #include <features/with_joints.h>
+#include <jobs/assert.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/integrate/state_bounds.h>
 
@@ -110,12 +111,14 @@ void restrain_broken(Stores& world, solver::FastBodies& moved, std::vector<Quara
     });
   });
   std::sort(broken.begin(), broken.end());
+  ATL_ASSERT(std::adjacent_find(broken.begin(), broken.end()) == broken.end(), broken.size());
 }
 
 namespace {
 
 // Takes the body out of all that a step goes through. It can come back.
 void leave(Stores& world, std::uint32_t body) {
+  ATL_ASSERT(world.records.alive[body] && !world.quarantine.contains(body), body);
   if constexpr (with_joints) suspend_joints_of(world, body);
   take_out(world, body);
   // How far it got before it broke depends on what else was done in the step.
@@ -128,6 +131,8 @@ void leave(Stores& world, std::uint32_t body) {
 
 // Puts the body back as it is now: it may have been given another mass or shape while it was out.
 void come_back(Stores& world, std::uint32_t body) {
+  ATL_ASSERT(world.records.alive[body] && world.quarantine.contains(body), body);
+  ATL_ASSERT(!world.sleeping.is_asleep(body), body);
   const BodyConstants& constants = *world.records.constants[body];
   world.quarantine.remove(body);
   world.bodies.mobility[body] = mobility_of(constants.type);

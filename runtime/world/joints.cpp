@@ -1,6 +1,7 @@
 #include "world/joints.h"
 
 #include <atoll/error.h>
+#include <jobs/assert.h>
 #include <solver/constraints/tendon.h>
 
 #include <algorithm>
@@ -203,6 +204,7 @@ void remove_joints_of(Stores& world, std::uint32_t body) {
 void suspend_joints_of(Stores& world, std::uint32_t body) {
   world.joints.for_each_of(body, [&](std::uint32_t joint) {
     joint_changed(world, joint);
+    ATL_ASSERT(world.joints.suspended[joint] < 2, joint, body);  // once for each of its bodies
     ++world.joints.suspended[joint];
     world.joints.update_flags(joint);
     let_go(world, joint);
@@ -213,6 +215,7 @@ void suspend_joints_of(Stores& world, std::uint32_t body) {
 void resume_joints_of(Stores& world, std::uint32_t body) {
   world.joints.for_each_of(body, [&](std::uint32_t joint) {
     joint_changed(world, joint);
+    ATL_ASSERT(world.joints.suspended[joint] > 0, joint, body);
     --world.joints.suspended[joint];
     world.joints.update_flags(joint);
     find_positions(world, world.joints.joints[joint]);

@@ -1,5 +1,7 @@
 #include "world/quarantine.h"
 
+#include <jobs/assert.h>
+
 #include <algorithm>
 
 namespace atl {
@@ -32,12 +34,14 @@ std::size_t QuarantineList::find(std::uint32_t body) const {
 }
 
 void QuarantineList::add(const Quarantined& body) {
+  ATL_ASSERT(!contains(body.id.index), body.id.index);
   const auto place = std::lower_bound(bodies_.begin(), bodies_.end(), body.id,
                                       [](const Quarantined& entry, BodyId id) { return entry.id < id; });
   bodies_.insert(place, body);
 }
 
 void QuarantineList::disable(std::uint32_t body) {
+  ATL_ASSERT(!contains(body), body);
   disabled_.insert(std::lower_bound(disabled_.begin(), disabled_.end(), body), body);
 }
 
@@ -47,6 +51,7 @@ void QuarantineList::remove(std::uint32_t body) {
     return;
   }
   const auto place = static_cast<std::ptrdiff_t>(find(body));
+  ATL_ASSERT(find(body) < bodies_.size(), body, bodies_.size());
   bodies_.erase(bodies_.begin() + place);
 }
 
@@ -57,6 +62,7 @@ void QuarantineList::clear() {
 }
 
 void QuarantineList::suspect(std::uint32_t body) {
+  ATL_ASSERT(body < suspected_.size(), body, suspected_.size());
   if (suspected_[body] == to_check) return;
   suspected_[body] = to_check;
   suspects_.push_back(body);

@@ -1,6 +1,7 @@
 #include "world/tendons.h"
 
 #include <atoll/error.h>
+#include <jobs/assert.h>
 #include <solver/constraints/tendon.h>
 
 #include <cmath>
@@ -59,6 +60,7 @@ void bind_tendon(const Stores& world, const JointKind& kind, const solver::Joint
   if (tendon == nullptr) return;
   check_terms(world, *tendon);
   for (std::size_t i = 0; i < joint.terms; ++i) {
+    ATL_ASSERT(joint.terms == tendon->terms.size(), joint.terms, tendon->terms.size());
     const TendonTerm& from = tendon->terms[i];
     solver::TendonTerm& term = joint.term[i];
     term.coordinate = named_coordinates(world.joints.def[from.joint.index]->kind)[from.coordinate];
@@ -70,6 +72,7 @@ void find_length(const Stores& world, solver::Joint& tendon) {
   for (std::size_t i = 0; i < tendon.terms; ++i) {
     solver::TendonTerm& term = tendon.term[i];
     const solver::Joint& of = world.joints.joints[term.joint];
+    ATL_ASSERT(term.joint < world.joints.size() && world.joints.alive[term.joint], i, term.joint);
     const std::size_t row = of.row_along(term.coordinate);
     term.position = row < of.rows ? of.position[row] : 0;
   }
