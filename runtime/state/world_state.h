@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -102,6 +103,10 @@ void visit_id_pairs(Archive& archive, Pairs& pairs, std::size_t bodies) {
       archive.value(id->generation);
       archive.check(id->index < bodies, "the number of a body that there can't be");
     }
+  }
+  if constexpr (Archive::reads) {
+    archive.check(std::adjacent_find(pairs.begin(), pairs.end(), std::greater_equal<>()) == pairs.end(),
+                  "pairs of bodies that are not in order");
   }
 }
 
