@@ -171,7 +171,8 @@ void note_events(Stores& world, ContactEvents& events, const ContactPushes& push
     for (const std::pair<BodyId, BodyId>& pair : events.before) {
       if (!is_idle(pair)) continue;
       while (active != events.now.end() && *active < pair) events.touched.push_back(*active++);
-      events.touched.push_back(pair);
+      // They may have hit earlier in the step, and have fallen asleep since.
+      if (active == events.now.end() || *active != pair) events.touched.push_back(pair);
     }
   }
   events.touched.insert(events.touched.end(), active, events.now.end());

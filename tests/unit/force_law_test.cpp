@@ -229,5 +229,23 @@ TEST(ForceLaw, WhatEndsInASubstepIsToldAfterTheStep) {
   EXPECT_EQ(world.state_hash(), hash);
 }
 
+// In substeps before, what rests has pushed what it rests on.
+TEST(ForceLaw, WhatFallsAsleepInASubstepTouchesOnce) {
+  for (int substep = 0; substep < 4; ++substep) {
+    World world(
+        {.settings = {
+             .substeps = 4, .sleeping = true, .time_to_sleep = 0.1 + substep * dt / 4, .contact_events = true}});
+    world.add_body(ground());
+    const BodyId crate = world.add_body(box({0, 0, 0.5}));
+    std::size_t events = 0;
+    for (int i = 0; i < 30; ++i) {
+      world.step(dt, [](Forces&) {});
+      events += world.contact_events().size();
+    }
+    EXPECT_TRUE(world.is_asleep(crate));
+    EXPECT_EQ(events, 1u) << substep;
+  }
+}
+
 }  // namespace
 }  // namespace atl::test
