@@ -85,8 +85,9 @@ double height_of(const SolveInput& input, std::span<const std::uint32_t> bodies,
   return sum;
 }
 
-// J: of motion, in springs, rotors and heights. What swings on joints alone keeps the energy that it has with heights
-// of half a substep ago, by semi-implicit Euler's leapfrog; what they take along in its fall is moved at second order.
+// J: of motion, in springs, rotors and heights. Semi-implicit Euler, which moves joints that hang on something fixed,
+// keeps the energy that there is with the heights of half a substep ago. An island that falls as a whole is moved at
+// second order, and keeps that with its own heights.
 double energy_of(const SolveInput& input, std::size_t island, const StoredEnergy& stored) {
   const auto bodies = input.islands.bodies(island, island + 1);
   const bool swings = input.islands.contacts(island, island + 1).empty() && !is_alone(input, island);
