@@ -35,7 +35,7 @@ void StoredEnergy::add(const Law& law, double value, double rate) {
 StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const BodyTable& bodies) {
   StoredEnergy stored;
   const Joint& joint = joints[index];
-  if (std::none_of(joint.law.begin(), joint.law.begin() + joint.rows, stores)) return stored;
+  if (!stores_energy(joint)) return stored;
   if (joint.is_tendon()) {
     const TendonNow now = tendon_now(joint, joints, bodies);
     stored.add(joint.law[0], now.length, now.rate);
@@ -49,6 +49,10 @@ StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const Bo
                        bodies.velocity(joint.second), bodies.angular_velocity(joint.second)));
   }
   return stored;
+}
+
+bool stores_energy(const Joint& joint) {
+  return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, stores);
 }
 
 double most_given(const Joint& joint, double dt) {

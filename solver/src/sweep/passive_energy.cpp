@@ -119,26 +119,24 @@ bool is_passive(const SolveInput& input, std::size_t island) {
          std::none_of(links.begin(), links.end(), is_led_pair);
 }
 
-// J: the most that may be given to an island in the step; infinite if that isn't known.
-double most_given(const SolveInput& input, std::size_t island) {
-  if (!is_passive(input, island)) return std::numeric_limits<double>::infinity();
-  double sum = 0;
-  for (const JointLink& link : input.islands.joints(island, island + 1)) {
-    sum += most_given(input.joints[link.joint], input.dt);
-  }
-  return sum;
-}
+// An island's joints, each looked at once: they are far apart in memory.
+struct IslandJoints {
+  double given = 0;       // J, the most that they give in the step beyond what they have stored; infinite if not known
+  bool stores = false;    // some has energy of its own
+  bool only_hold = true;  // none gives motion back
+  bool swept = false;     // some are
+};
 
-// Tells an island whose joints are swept, and take motion up as they hold: none of them gives it back, for which energy
-// would have to be known to the order to which springs are integrated.
-bool only_holds(const SolveInput& input, std::size_t island) {
-  const auto links = input.islands.joints(island, island + 1);
-  return std::any_of(links.begin(), links.end(),
-                     [&](const JointLink& link) {
-                       return !input.solves_directly(input.joint_graph->component_of(link.joint));
-                     }) &&
-         std::none_of(links.begin(), links.end(),
-                      [&](const JointLink& link) { return gives_back(input.joints[link.joint]); });
+IslandJoints look_at(const SolveInput& input, std::size_t island) {
+  IslandJoints joints;
+  for (const JointLink& link : input.islands.joints(island, island + 1)) {
+    const Joint& joint = input.joints[link.joint];
+    joints.given += most_given(joint, input.dt);
+    joints.stores |= stores_energy(joint);
+    joints.only_hold &= !gives_back(joint);
+    joints.swept |= !input.solves_directly(input.joint_graph->component_of(link.joint));
+  }
+  return joints;
 }
 
 }  // namespace
@@ -146,11 +144,14 @@ bool only_holds(const SolveInput& input, std::size_t island) {
 void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, float deepest) {
   islands_.clear();
   watched_.clear();
-  const bool any_deep = deepest < -tuning::deep_overlap * least_size(input, group);
+  const bool any_deep = deepest < 0 && deepest < -tuning::deep_overlap * least_size(input, group);
   for (std::size_t island = group.begin; island < group.end; ++island) {
     const std::size_t first = watched_.size();
     const bool joined = input.islands.joint_count(island) > 0;
-    if (joined && input.islands.contacts(island, island + 1).empty() && !only_holds(input, island)) continue;
+    const IslandJoints joints = look_at(input, island);
+    // For what gives motion back, energy would have to be known to the order to which springs are integrated.
+    const bool watches = joints.swept && joints.only_hold;
+    if (joined && input.islands.contacts(island, island + 1).empty() && !watches) continue;
     const auto bodies = input.islands.bodies(island, island + 1);
     for (const std::uint32_t body : bodies) {
       if (joined || turns_blindly(input, body)) watched_.push_back(body);
@@ -158,17 +159,17 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, flo
     const bool overlaps = any_deep && watched_.size() == first && is_deep(input, island);
     if (overlaps) watched_.insert(watched_.end(), bodies.begin(), bodies.end());
     if (watched_.size() == first) continue;
-    const double given = most_given(input, island);
-    if (!(given < std::numeric_limits<double>::infinity())) {
+    if (!(joints.given < std::numeric_limits<double>::infinity()) || !is_passive(input, island)) {
       watched_.resize(first);
       continue;
     }
-    const StoredEnergy stored = stored_in(input, island);
+    const StoredEnergy stored = joints.stores ? stored_in(input, island) : StoredEnergy();
     const double moving = kinetic_energy(input.bodies, std::span(watched_).subspan(first)) + stored.rotors;
     const double more = joined ? tuning::held_tolerance * moving : 0;
     islands_.push_back({.island = island,
                         .overlaps = overlaps,
-                        .most = energy_of(input, island, stored) + more + given,
+                        .stores = joints.stores,
+                        .most = energy_of(input, island, stored) + more + joints.given,
                         .height = overlaps ? height_of(input, bodies, 0) : 0,
                         .moving = moving,
                         .springs = stored.potential,
@@ -179,7 +180,7 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, flo
 
 void PassiveEnergy::bound(const SolveInput& input) const {
   for (const Island& of : islands_) {
-    const StoredEnergy stored = stored_in(input, of.island);
+    const StoredEnergy stored = of.stores ? stored_in(input, of.island) : StoredEnergy();
     const auto watched = std::span(watched_).subspan(of.first, of.end - of.first);
     const double moving = kinetic_energy(input.bodies, watched) + stored.rotors;
     const double passed_on = exchanged(moving - of.moving, stored.potential - of.springs);

@@ -14,6 +14,9 @@ struct StoredEnergy {
   void add(const Law& law, double value, double rate);
 };
 
+/// Tells a joint that may have energy of its own: in springs, servos or rotors.
+bool stores_energy(const Joint& joint);
+
 /// J: the most that a joint gives in `dt` (s) beyond what it has stored. A motor with a speed works on its coordinate
 /// up to that speed, and beyond it brakes. Infinite with a spring of a frequency, whose stiffness goes with the masses
 /// along it.

@@ -38,6 +38,7 @@ class PassiveEnergy {
   struct Island {
     std::size_t island;
     bool overlaps;           // which is all that it is watched for
+    bool stores;             // some joint has energy of its own
     double most;             // J, as its step may end
     double height;           // J, in forces on its bodies, as it began; if it overlaps
     double moving, springs;  // J, of motion and in springs and servos, as it began
