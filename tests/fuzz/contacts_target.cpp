@@ -14,6 +14,7 @@
 
 #include "consistency.h"
 #include "motion.h"
+#include "support/motion.h"
 #include "target.h"
 
 namespace {
@@ -131,12 +132,12 @@ void check_motion(const Pair& pair, fuzz::Bytes& bytes) {
     if (def.type == BodyType::Dynamic) mass += world.mass(id);
   }
   const double pushed = 0.5 * mass * std::pow(world.settings().contact_push_speed, 2);
-  const double most = (1 + 1e-6) * fuzz::motion_of(world).kinetic + (overlap_of(pair) > 0 ? pushed : 1e-9 * pushed);
+  const double most = (1 + 1e-6) * test::motion_of(world).kinetic + (overlap_of(pair) > 0 ? pushed : 1e-9 * pushed);
   for (int i = 0; i < 6; ++i) {
-    const MotionReport before = fuzz::motion_of(world);
+    const MotionReport before = test::motion_of(world);
     fuzz::require(world.step(1.0 / 60).quarantined == 0, "a body breaks");
     fuzz::check_world(world);
-    const MotionReport after = fuzz::motion_of(world);
+    const MotionReport after = test::motion_of(world);
     if (is_free) {
       // Arms are those with which the step begins: they are off by how far a contact slides in it, or closes.
       const double speed = world.settings().contact_push_speed + std::sqrt((before.kinetic + after.kinetic) / mass);

@@ -17,7 +17,8 @@
 #include <vector>
 
 #include "consistency.h"
-#include "motion.h"
+#include "finding.h"
+#include "support/motion.h"
 #include "target.h"
 
 namespace {
@@ -150,7 +151,7 @@ void check_momentum(const World& world, const MotionReport& before, double scale
   double mass = 0;
   for (const BodyId id : world.bodies()) mass += world.mass(id);
   const Vector3 pushed = time * (mass * world.gravity() + force);
-  const double off = (fuzz::motion_of(world).momentum - before.momentum - pushed).norm();
+  const double off = (test::motion_of(world).momentum - before.momentum - pushed).norm();
   scale += scale_of(world) + pushed.norm();
   fuzz::require(off <= 1e-5 * scale, "momentum is off by " + std::to_string(off) + " of " + std::to_string(scale) +
                                          " N s, of which forces give " + fuzz::text_of(pushed));
@@ -159,7 +160,7 @@ void check_momentum(const World& world, const MotionReport& before, double scale
 void step(World& world, const Lost& lost, fuzz::Bytes& bytes, fuzz::Definitions& definitions) {
   const double dt = bytes.flag() ? 1.0 / 64 : definitions.number(0.001, 0.05);
   Law law(bytes, definitions, dt);
-  const MotionReport before = fuzz::motion_of(world);
+  const MotionReport before = test::motion_of(world);
   const double scale = scale_of(world), from = world.time();
   const bool lawful = bytes.flag();
   lost->reset();

@@ -10,6 +10,7 @@
 
 #include "consistency.h"
 #include "motion.h"
+#include "support/motion.h"
 #include "support/random_assembly.h"
 #include "target.h"
 
@@ -158,14 +159,14 @@ void check_run(const Joined& made) {
   assembly.gap = gap_of(world);
   const double allowed = 2 * test::energy_allowance(world, assembly, ids, steps * dt).all() + 1e-3;
   const double start = test::mechanical_energy(world, ids);
-  // What carries the wheels of gears takes up momentum, and is not there.
+  // A gear's two wheels push against the frame that would carry them, which no body here stands for: momentum goes.
   const bool is_free =
       made.world.gravity.isZero() && made.bodies.front().type == BodyType::Dynamic && !has<GearJoint>(made);
   const bool is_direct = made.world.settings.joint_solver == JointSolver::Direct;
   // See README.md; and test::energy_allowance() doesn't know of tendons.
   const bool is_held = !has<TendonJoint>(made) && (is_direct || (assembly.gap < 0.1 && !any_axis(world, is_endless)));
   for (int i = 0; i < steps; ++i) {
-    const MotionReport before = fuzz::motion_of(world);
+    const MotionReport before = test::motion_of(world);
     const bool is_whole = world.step(dt).quarantined == 0;
     fuzz::check_world(world);
     fuzz::require(is_whole || !is_held, "a body breaks");
@@ -177,7 +178,7 @@ void check_run(const Joined& made) {
     const Sizes sizes = sizes_of(world);
     if (is_free) {
       const double arm = is_direct ? 1e-4 * sizes.reach : unlimited;  // swept joints turn within a substep
-      fuzz::require_same_momentum(before, fuzz::motion_of(world), 1e-4 * sizes.momentum, arm * sizes.momentum);
+      fuzz::require_same_momentum(before, test::motion_of(world), 1e-4 * sizes.momentum, arm * sizes.momentum);
     }
     const double gained = test::mechanical_energy(world, ids) - start;
     fuzz::require(!is_held || gained <= allowed,

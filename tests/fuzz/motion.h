@@ -1,25 +1,12 @@
 #pragma once
 
-#include <atoll/atoll.h>
 #include <atoll/errors.h>
 
 #include <string>
-#include <vector>
 
 #include "finding.h"
 
 namespace atl::fuzz {
-
-/// Energy and momentum of all dynamic bodies, by the audit.
-inline MotionReport motion_of(const World& world) {
-  std::vector<MovingBody> moving;
-  for (const BodyId id : world.bodies()) {
-    if (world.type(id) != BodyType::Dynamic) continue;
-    const BodyDef def = world.definition(id);
-    moving.push_back({body_mass(def), world.state(id), def.gravity_scale});
-  }
-  return measure_motion(moving, world.gravity());
-}
 
 /// Requires the momentum of bodies that only act on each other to stay, but for so much (N s, N m s).
 inline void require_same_momentum(const MotionReport& before, const MotionReport& after, double linear,

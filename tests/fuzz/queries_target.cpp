@@ -144,7 +144,7 @@ void check_elsewhere(const World& world, const std::vector<BodyDef>& bodies, Ray
   ray.direction = placed.orientation * ray.direction;
   const World other = world_of(bodies, placed);
   const std::optional<RayHit> there = Queries(other).cast_ray(ray);
-  // What is grazed may be missed.
+  // A ray that grazes a body may miss it in one of the two worlds, by rounding.
   if (!here || !there) return;
   fuzz::require(
       here->body != there->body || here->child != there->child || std::abs(here->distance - there->distance) < 1e-3,

@@ -57,15 +57,6 @@ struct RandomTree {
 
   MassProperties mass_of(BodyId body) const { return body_mass(world.definition(body)); }
 
-  /// By the audit, which shares no code with mechanisms.
-  MotionReport motion() const {
-    std::vector<MovingBody> moving;
-    for (const BodyId body : bodies) {
-      moving.push_back({mass_of(body), world.state(body), world.definition(body).gravity_scale});
-    }
-    return measure_motion(moving, world.gravity());
-  }
-
   /// kg m^2, in the world's axes.
   Matrix3 inertia_of(BodyId body) const {
     const Matrix3 axes = world.pose(body).orientation.toRotationMatrix();
