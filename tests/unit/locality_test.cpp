@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "support/bodies.h"
 
@@ -92,6 +93,32 @@ TEST(JointBounce, ChangesNoOtherIsland) {
   const auto [bouncing, bounce] = swing(0.9);
   ASSERT_GT(std::abs(bounce), std::abs(rest) + 0.1);
   EXPECT_EQ(bouncing, resting);
+}
+
+// Separations of shapes with a rim take part in their rolling. Lanes beside them hold a stack of boxes.
+TEST(Rolling, ChangesNoOtherIsland) {
+  const auto stack_beside = [](const Shape* rolling) {
+    World world({.settings = {.contact_solver = ContactSolver::Iterative}});
+    world.add_body(ground());
+    std::vector<BodyId> stack;
+    for (int level = 0; level < 3; ++level) {
+      BodyDef above = box({10 + 0.05 * level, 0.03 * level, 0.5 + level});
+      above.angular_velocity = {0.3, -0.2, 0.1 * level};
+      stack.push_back(world.add_body(above));
+    }
+    if (rolling != nullptr) {
+      world.add_body(
+          {.shape = *rolling, .position = {0, 0, 0.6}, .velocity = {2.8, -1.4, 0}, .angular_velocity = {3, 2, 1}});
+    }
+    for (int i = 0; i < 40; ++i) world.step(dt);
+    std::vector<BodyHash> hashes;
+    for (const BodyId id : stack) hashes.push_back(world.body_hash(id));
+    return hashes;
+  };
+  const std::vector<BodyHash> alone = stack_beside(nullptr);
+  const Shape shapes[] = {Capsule{0.3, 0.3}, Cylinder{0.3, 0.3}, Cone{0.3, 0.3}, Ellipsoid{{0.2, 0.3, 0.4}},
+                          TaperedCapsule{{0.2, 0.4}, 0.3}};
+  for (const Shape& shape : shapes) EXPECT_EQ(stack_beside(&shape), alone) << shape.index();
 }
 
 }  // namespace

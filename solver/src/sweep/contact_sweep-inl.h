@@ -60,29 +60,33 @@ HWY_INLINE void refresh_rolling_separations(const ContactKernelData& data, Conta
                                             const TurningBlock& turning, const RimBlock& rims, std::size_t lane) {
   const V3 normal = load3(block.normal, lane);
   const V3 tangent = load3(block.tangent, lane);
-  const auto gap_of = [&](const std::int32_t* index, const float(*pivots)[block_lanes],
-                          const float(*rim_rows)[block_lanes], const float(*axes)[block_lanes], V& at_centre,
-                          V3& by_point) {
+  struct Side {
+    V3 moved, by_point;
+    V turned;
+  };
+  const auto side_of = [&](const std::int32_t* index, const float(*pivots)[block_lanes],
+                           const float(*rim_rows)[block_lanes], const float(*axes)[block_lanes]) -> Side {
     const V4 moved = load_displacement(data.bodies, index);
     const Q turn = load_rotation(data.bodies, index);
     const V3 axis = load3(axes, lane);
     const V3 change = moved.w * turned_change(conjugate(turn), normal);
     const V3 swung = swing_change(turn, axis, normal);
-    at_centre = hn::Add(dot(normal, V3{moved.x, moved.y, moved.z}),
-                        hn::Add(dot(change, load3(pivots, lane)), dot(swung, load3(rim_rows, lane))));
-    by_point = select(hn::Gt(dot(axis, axis), zero()), swung, change);
+    return {{moved.x, moved.y, moved.z},
+            select(hn::Gt(dot(axis, axis), zero()), swung, change),
+            hn::Add(dot(change, load3(pivots, lane)), dot(swung, load3(rim_rows, lane)))};
   };
-  V of_first = zero(), of_second = zero();
-  V3 by_first{zero(), zero(), zero()}, by_second = by_first;
+  const V3 none{zero(), zero(), zero()};
+  Side first{none, none, zero()}, second = first;
   if constexpr (first_moves<movable>) {
-    gap_of(block.first + lane, turning.pivot_first, rims.rim_first, rims.axis_first, of_first, by_first);
+    first = side_of(block.first + lane, turning.pivot_first, rims.rim_first, rims.axis_first);
   }
   if constexpr (second_moves<movable>) {
-    gap_of(block.second + lane, turning.pivot_second, rims.rim_second, rims.axis_second, of_second, by_second);
+    second = side_of(block.second + lane, turning.pivot_second, rims.rim_second, rims.axis_second);
   }
-  const V3 by_point = by_second - by_first;
-  shift_points<points>(block, lane, hn::Sub(of_second, of_first), dot(by_point, tangent),
-                       dot(by_point, cross(normal, tangent)));
+  // The sums of refresh_separations(), to the bit: lanes without rims may share a block with others or not.
+  const V at_centre = hn::Add(dot(normal, second.moved - first.moved), hn::Sub(second.turned, first.turned));
+  const V3 by_point = second.by_point - first.by_point;
+  shift_points<points>(block, lane, at_centre, dot(by_point, tangent), dot(by_point, cross(normal, tangent)));
 }
 
 // separation = start + n . (moved centres) + turned anchors.
