@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "support/bodies.h"
+#include "support/random.h"
 
 namespace atl::test {
 namespace {
@@ -54,6 +55,27 @@ TEST(SolverChoice, LockedBodiesOnLoadedJointsStayLocked) {
       ASSERT_EQ(world.angular_velocity(load).z(), 0) << "step " << i;
     }
     EXPECT_EQ(direct > 0, !locked);
+  }
+}
+
+// Nothing gives way between bodies that may not move, however they overlap: no impulse is told, and none is stored.
+TEST(SolverChoice, LockedBodiesThatOverlapPushNothing) {
+  for (const ContactSolver solver : {ContactSolver::Iterative, ContactSolver::Direct}) {
+    Settings settings;
+    settings.contact_solver = solver;
+    for (unsigned seed = 0; seed < 200; ++seed) {
+      Random random(seed);
+      World world({.settings = settings});
+      BodyDef held = sphere({0, 0, 2});
+      held.locks.linear = {true, true, true};
+      world.add_body(held);
+      held.position += 0.95 * random.direction();
+      held.mass = random.real(0.5, 3);
+      const BodyId beside = world.add_body(held);
+      world.step(dt);
+      ASSERT_LT(world.contact_wrench(beside).force.norm(), 1) << "seed " << seed;
+      ASSERT_EQ(world.pose(beside).position, held.position) << "seed " << seed;
+    }
   }
 }
 

@@ -153,7 +153,9 @@ HWY_INLINE bool lock_contacts(const SolverBodies& bodies, ContactBlock& block, s
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
   const V least = hn::Mul(splat(least_answer), inverse_mass);
   const V k00 = load(block.k[0] + lane);
-  store(hn::IfThenElse(locked, hn::Sub(k00, lost_along(c.normal, c.normal)), k00), block.k[0] + lane);
+  // A response that rounding left below zero would turn the gap of a point that isn't there into a push without bound.
+  const V left = hn::Max(hn::Sub(k00, lost_along(c.normal, c.normal)), hn::Mul(splat(0.5f), least));
+  store(hn::IfThenElse(locked, left, k00), block.k[0] + lane);
 
   V* const separations[max_points] = {&separation.x, &separation.y, &separation.z, &separation.w};
   for (std::size_t i = 0; i < max_points; ++i) {
