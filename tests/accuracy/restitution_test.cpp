@@ -1,7 +1,5 @@
 // Newton's law of restitution: the speed of parting is e times the speed of approach.
-//
-// The speed of approach is that of the impact, wherever within a step it falls, so a ball returns to e^2 of its height
-// but for single-precision arithmetic. It leaves the surface at the end of a step, up to dt late.
+// Bounces of one ball on the ground are held against their closed form in analytic_scene_test.cpp.
 
 #include <gtest/gtest.h>
 
@@ -22,33 +20,6 @@ BodyDef ball(const Vector3& position, double restitution) {
   BodyDef def = sphere(position, radius);
   def.material.restitution = restitution;
   return def;
-}
-
-/// Height of the ball's lowest point at the top of its first rebound.
-double apex(double restitution, double step) {
-  World world;
-  world.add_body(ground());
-  const BodyId id = world.add_body(ball({0, 0, height + radius}, restitution));
-  bool rebounds = false;
-  double highest = 0;
-  for (double t = 0; t < 2; t += step) {
-    world.step(step);
-    const double up = world.velocity(id).z();
-    rebounds = rebounds || up > 0.1;
-    if (rebounds) highest = std::max(highest, world.pose(id).position.z() - radius);
-    if (rebounds && up < 0) break;
-  }
-  return highest;
-}
-
-TEST(Restitution, BallReturnsToESquaredOfItsHeight) {
-  for (const double e : {0.5, 0.8, 1.0}) {
-    for (const double step : {1.0 / 60, 1.0 / 480}) {
-      // Heights are seen at the ends of steps only, up to half a step from the top.
-      const double sampling = g * step * step / 8;
-      EXPECT_NEAR(apex(e, step), e * e * height, sampling + 1e-4 * height) << "e " << e << ", dt " << step;
-    }
-  }
 }
 
 TEST(Restitution, BallWithoutItStaysDown) {
@@ -98,30 +69,6 @@ TEST(Restitution, WhatBouncesDoesNotDependOnTheScale) {
     EXPECT_NEAR(heights[i], heights[90 + i], 2e-3) << i;
     EXPECT_NEAR(heights[180 + i], heights[90 + i], 2e-3) << i;
   }
-}
-
-TEST(Restitution, ElasticBallKeepsItsEnergyOverManyBounces) {
-  World world;
-  world.add_body(ground());
-  const BodyId id = world.add_body(ball({0, 0, height + radius}, 1));
-  for (int i = 0; i < 1200; ++i) {
-    world.step(dt);
-    const double drop = world.pose(id).position.z() - radius;
-    const double energy = g * drop + 0.5 * world.velocity(id).squaredNorm();
-    ASSERT_NEAR(energy, g * height, 5e-4 * g * height) << "step " << i;
-  }
-}
-
-TEST(Restitution, EqualSpheresSwapTheirVelocities) {
-  World world({.gravity = Vector3::Zero()});
-  BodyDef left = ball({-2, 0, 0}, 1), right = ball({2, 0, 0}, 1);
-  left.velocity = {5, 0, 0};
-  right.velocity = {-3, 0, 0};
-  const BodyId a = world.add_body(left), b = world.add_body(right);
-  run(world, 60);
-  // A handful of single-precision operations on speeds of 8 m/s.
-  EXPECT_LT((world.velocity(a) - right.velocity).norm(), 1e-5);
-  EXPECT_LT((world.velocity(b) - left.velocity).norm(), 1e-5);
 }
 
 TEST(Restitution, UnequalSpheresPartByNewtonsLaw) {

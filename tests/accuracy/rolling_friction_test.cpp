@@ -47,12 +47,6 @@ TEST(RollingFriction, StopsABallAfterTheClosedFormsPath) {
   }
 }
 
-TEST(RollingFriction, WithoutItABallRollsOn) {
-  Ball ball(0, 0, 0, 2);
-  run(ball.world, 300);
-  EXPECT_NEAR(ball.speed(), 2, 2e-3);
-}
-
 TEST(RollingFriction, OfAPairIsTheLargerOfTheTwo) {
   const auto stopped_at = [](double of_ground, double of_ball) {
     Ball ball(0, of_ground, of_ball, 2);

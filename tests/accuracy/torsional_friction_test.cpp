@@ -23,10 +23,6 @@ Vector3 spin_after(double seconds, BodyDef def, const Material& material, const 
   return world.angular_velocity(id);
 }
 
-TEST(TorsionalFriction, WithoutItABallSpinsOn) {
-  EXPECT_NEAR(spin_after(5, sphere({0, 0, radius}), {.friction = 1}).z(), spin, 1e-3);
-}
-
 TEST(TorsionalFriction, BrakesInProportion) {
   for (const Stabilisation stabilisation :
        {Stabilisation::Soft, Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
