@@ -45,37 +45,44 @@ def same(found, expected):
         agree(a, b) for left, right in zip(*words) for a, b in zip(left, right))
 
 
+def project_of(programs, block):
+    """A CMake project with every program, each linked as the block says."""
+    lines = ["cmake_minimum_required(VERSION 3.25)", "project(samples CXX)"]
+    for name in programs:
+        lines += [f"add_executable({name} {name}.cpp)",
+                  f"target_compile_options({name} PRIVATE -Wall -Wextra -Werror)",
+                  block.text.replace("my_program", name)]
+    return "\n".join(lines)
+
+
 def main():
     scratch, prefix, cmake, *options = sys.argv[1:]
     shutil.rmtree(scratch, ignore_errors=True)
-    linking = [block for readme in readmes() for block in split(readme)[0] if block.language == "cmake"]
-    failures = programs = 0
-    for readme in readmes():
-        blocks, _ = split(readme)
-        source = program_of(blocks)
-        if source is None:
-            continue
-        programs += 1
-        for block in linking:
-            folder = pathlib.Path(scratch, f"{folder_name(readme)}_{block.line}")
-            folder.mkdir(parents=True)
-            (folder / "main.cpp").write_text(source, encoding="utf-8")
-            (folder / "CMakeLists.txt").write_text(
-                "cmake_minimum_required(VERSION 3.25)\nproject(sample CXX)\nadd_executable(my_program main.cpp)\n"
-                "target_compile_options(my_program PRIVATE -Wall -Wextra -Werror)\n" + block.text, encoding="utf-8")
-            build = folder / "build"
-            subprocess.run([cmake, "-S", folder, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", *options], check=True,
-                           stdout=subprocess.DEVNULL)
-            if subprocess.run([cmake, "--build", build]).returncode:
+    pages = {folder_name(readme): (readme, split(readme)[0]) for readme in readmes()}
+    programs = {name: source for name, (_, blocks) in pages.items() if (source := program_of(blocks))}
+    linking = [block for _, blocks in pages.values() for block in blocks if block.language == "cmake"]
+    failures = 0
+    for block in linking:
+        folder = pathlib.Path(scratch, f"{folder_name(block.readme)}_{block.line}")
+        build = folder / "build"
+        folder.mkdir(parents=True)
+        for name, source in programs.items():
+            (folder / f"{name}.cpp").write_text(source, encoding="utf-8")
+        (folder / "CMakeLists.txt").write_text(project_of(programs, block), encoding="utf-8")
+        subprocess.run([cmake, "-S", folder, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", *options], check=True,
+                       stdout=subprocess.DEVNULL)
+        for name in programs:
+            readme, blocks = pages[name]
+            if subprocess.run([cmake, "--build", build, "--target", name]).returncode:
                 print(f"{readme}: its samples do not compile")
                 failures += 1
                 continue
-            run = subprocess.run([build / "my_program"], cwd=folder, text=True, stdout=subprocess.PIPE, timeout=600)
+            run = subprocess.run([build / name], cwd=folder, text=True, stdout=subprocess.PIPE, timeout=600)
             if run.returncode or not same(run.stdout, output_of(blocks)):
                 print(f"{readme}: status {run.returncode}, printed\n{run.stdout}\ninstead of\n{output_of(blocks)}")
                 failures += 1
-    print(f"{programs} programs")
-    sys.exit(failures > 0 or programs == 0 or not linking)
+    print(f"{len(programs)} programs")
+    sys.exit(failures > 0 or not programs or not linking)
 
 
 if __name__ == "__main__":
