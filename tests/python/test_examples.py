@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, long_test
 
 FOLDER = ROOT / "runtime/python"
 # Words that a run of each example must print, on any machine.
@@ -31,6 +31,8 @@ WORDS = {
     "plan_a_push.py": "the crate is there",
     "rollback.py": "gets within",
 }
+#: Takes both cores for seconds. In the daily run learn_to_balance.py learns.
+LONG = {"learn_to_hop.py"}
 
 
 def output_of(*arguments: str, folder: Path | None = None) -> str:
@@ -43,7 +45,7 @@ def test_all_examples_are_known() -> None:
     assert set(WORDS) == {path.name for path in FOLDER.glob("examples/*.py")}
 
 
-@pytest.mark.parametrize("name", WORDS)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=long_test) if name in LONG else name for name in WORDS])
 def test_example_runs(name: str) -> None:
     path = FOLDER / "examples" / name
     assert WORDS[name] in output_of(str(path))
