@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -67,6 +69,26 @@ def test_copies_that_are_kept_are_set_wherever_they_are_kept() -> None:
         material.restitution = 0.5
     kept = [holder.material, materials[0], by_name["ice"]]
     assert [material.friction for material in kept] == [0.1, 0.2, 0.3] and materials[0].restitution == 0.5
+
+
+def test_lists_of_a_scene_are_its_own() -> None:
+    scene = atoll.load_scene("stack:height=2")
+    count = len(scene.bodies)
+    for body in scene.bodies:
+        body.force = [0, 0, 5]
+    scene.bodies.append(atoll.SceneBody(name="late", definition=atoll.BodyDef(position=[9, 0, 9], mass=2)))
+    world = scene.build()
+    assert len(world.bodies) == count + 1 and [body.name for body in copy.deepcopy(scene).bodies][-1] == "late"
+    assert [list(body.force) for body in pickle.loads(pickle.dumps(scene)).bodies[:count]] == [[0, 0, 5]] * count
+    scene.gravity = [0, 0, 0]
+    scene.bodies[-1].force = [0, 0, 6]
+    world = scene.build()
+    scene.apply_forces(world)
+    world.step(0.1)
+    assert world.velocities[world.bodies[-1], 2] == pytest.approx(6 / 2 * 0.1, rel=1e-6)
+    scene.bodies.append("no body")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"Scene\.bodies: found something else in it; expected SceneBody"):
+        scene.build()
 
 
 def test_arrays_that_are_copies_are_read_only_and_handed_on_as_copies() -> None:

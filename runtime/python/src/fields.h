@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "casters.h"
+#include "scene_lists.h"
 #include "shared_geometry.h"
 
 namespace atl::python {

@@ -42,8 +42,29 @@ void bind_data(nb::module_& module) {
                   Field{"terms", &SceneJoint::terms, "of a tendon: places of the joints of its terms"});
 }
 
+template <typename Part>
+void bind_list(nb::class_<Scene>& scene, const char* name, std::vector<Part> Scene::*member) {
+  scene.def_prop_rw(
+      name,
+      [=](nb::handle_t<Scene> self) -> nb::typed<nb::list, Part> {
+        const nb::object lists = scene_lists().attr("setdefault")(self, nb::dict());
+        if (lists.attr("get")(name).is_none()) lists[name] = nb::cast(nb::cast<const Scene&>(self).*member);
+        return nb::borrow<nb::list>(nb::object(lists[name]));
+      },
+      [=](nb::handle_t<Scene> self, const nb::typed<nb::sequence, Part>& parts) {
+        refuse_if_lost(self, "Scene." + std::string(name));
+        const nb::object list = nb::isinstance<nb::list>(parts) ? nb::object(parts) : nb::object(nb::list(parts));
+        std::vector<Part> read;
+        if (!read_parts(list, name, read)) throw nb::type_error(refusal().c_str());
+        const nb::object lists = scene_lists().attr("setdefault")(self, nb::dict());
+        lists[name] = list;
+      },
+      "The scene's own list: its elements may be changed, and others put in.");
+}
+
 void bind_scene(nb::module_& module) {
-  nb::class_<Scene> scene(module, "Scene",
+  module.attr("_scene_lists") = nb::module_::import_("weakref").attr("WeakKeyDictionary")();
+  nb::class_<Scene> scene(module, "Scene", nb::is_weak_referenceable(),
                           "A world to simulate, as data. Can be pickled, but for the closed form of a built-in scene "
                           "whose motion is known: an ErrorMeter of what was pickled has no analytic_error.");
   const auto bind = [&](const auto&... fields) {
@@ -54,6 +75,8 @@ void bind_scene(nb::module_& module) {
        Field{"dt", &Scene::dt, "s"}, Field{"steps", &Scene::steps, "how many it is meant for"},
        Field{"settings", &Scene::settings, ""}, Field{"starts_at_rest", &Scene::starts_at_rest, ""},
        Field{"bodies", &Scene::bodies, ""}, Field{"joints", &Scene::joints, ""});
+  bind_list(scene, "bodies", &Scene::bodies);
+  bind_list(scene, "joints", &Scene::joints);
   scene.def("__copy__", [](const Scene& self) { return self; })
       .def(
           "__deepcopy__", [](const Scene& self, const nb::dict&) { return self; }, nb::arg("memo"),
