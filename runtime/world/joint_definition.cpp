@@ -130,6 +130,13 @@ struct KindCheck {
 
   void operator()(const WheelJoint& wheel) const {
     check_axis(what + ".suspension", wheel.suspension);
+    const JointAxis& suspension = wheel.suspension;
+    const bool ends = suspension.range.lower > -unlimited || suspension.range.upper < unlimited;
+    if (ends && suspension.range.lower < suspension.range.upper && !suspension.spring && !suspension.motor) {
+      throw Error(what +
+                  ".suspension has a range, but no spring: it replaces all of the default one; expected a spring "
+                  "or a motor with the range, or equal ends");
+    }
     check_axis(what + ".steering", wheel.steering);
     check_axis(what + ".spin", wheel.spin);
   }

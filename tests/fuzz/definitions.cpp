@@ -287,9 +287,12 @@ JointKind Definitions::joint_kind() {
     }
     case 8:
       return GearJoint{.ratio = bytes_.flag() ? number(0.2, 3) : number(-3, -0.2), .rack = bytes_.flag()};
-    default:
-      return WheelJoint{
+    default: {
+      WheelJoint wheel{
           .suspension = axis(false), .steering = bytes_.flag() ? axis(true) : JointAxis{{0, 0}}, .spin = axis(true)};
+      if (!wheel.suspension.motor && !wheel.suspension.spring) wheel.suspension.spring = JointSpring{};
+      return wheel;
+    }
   }
 }
 

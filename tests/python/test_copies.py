@@ -91,6 +91,14 @@ def test_lists_of_a_scene_are_its_own() -> None:
         scene.build()
 
 
+def test_a_range_does_not_drop_the_spring_of_a_suspension_unsaid() -> None:
+    world = atoll.World()
+    car, wheel = world.add_body(position=[0, 0, 1]), world.add_body(shape=atoll.Sphere(0.3))
+    joint = atoll.WheelJoint(suspension=atoll.JointAxis(range=atoll.JointRange(-0.1, 0.1)))
+    with pytest.raises(atoll.Error, match=r"kind\.suspension has a range, but no spring.*expected a spring or a motor"):
+        world.add_joint(atoll.joint_at(world, joint, car, wheel, [0, 0, 0]))
+
+
 def test_arrays_that_are_copies_are_read_only_and_handed_on_as_copies() -> None:
     batch = atoll.Batch("stack:height=2", 2)
     for array in (batch.positions, batch.orientations[:, 1], batch.velocities, batch.contact_forces):

@@ -167,6 +167,7 @@ inline JointKind random_kind(Random& random, const AssemblyKind& kind, std::ostr
       words << " wheel";
       WheelJoint joint;
       joint.suspension = axis(false);
+      if (!joint.suspension.motor && !joint.suspension.spring) joint.suspension.spring = JointSpring{.hertz = 2};
       if (random.chance(0.5)) joint.steering = axis(true);
       joint.spin = axis(true);
       return joint;

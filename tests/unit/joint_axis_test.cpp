@@ -154,7 +154,7 @@ TEST(JointAxes, OfEachKindAreThoseThatItsStateTellsOf) {
       const bool there = std::find(axes.begin(), axes.end(), i) != axes.end();
       EXPECT_EQ(error_of([&] { rig.world.joint_axis(joint, i); }).empty(), there) << kind.index() << ", " << i;
       if (!there) continue;
-      const JointAxis axis{.range = {-0.25, 0.125}};
+      const JointAxis axis{.range = {-0.25, 0.125}, .spring = JointSpring{}};
       rig.world.set_joint_axis(joint, axis, i);
       EXPECT_EQ(rig.world.joint_axis(joint, i).range.upper, 0.125);
     }

@@ -64,6 +64,7 @@ const std::vector<BadKind>& bad_kinds() {
       {GearJoint{.ratio = 0}, "kind.ratio", "0", "other than 0"},
       {GearJoint{.ratio = nan}, "kind.ratio", "nan", "finite"},
       {WheelJoint{.suspension = sprung(-2, 1, 0)}, "kind.suspension.spring.hertz", "-2", "above 0"},
+      {WheelJoint{.suspension = ranged(-1, 1)}, "kind.suspension", "no spring", "a spring or a motor"},
       {WheelJoint{.steering = ranged(1, 0)}, "kind.steering.range", "lower 1", "upper 0"},
       {WheelJoint{.spin = driven(0, -1)}, "kind.spin.motor.max_force", "-1", "not below 0"},
       {HingeJoint{{.range = {-1, 1, 1.5}}}, "kind.angle.range.restitution", "1.5", "[0, 1]"},

@@ -171,7 +171,7 @@ TEST(JointDrift, SixAxesEachAreLockedLimitedOrFree) {
 }
 
 TEST(JointDrift, WheelKeepsItsPlaceAndItsAxle) {
-  const WheelJoint wheel = {.suspension = {.range = {-0.1, 0.1}}};
+  const WheelJoint wheel = {.suspension = {.range = {-0.1, 0.1}, .spring = JointSpring{}}};
   EXPECT_NEAR(drift_at(wheel, {0.03, 0.04, 0.05}).max, 0.05, exact);
   EXPECT_EQ(drift_at(wheel, {0, 0, 0.05}).excess_max, 0);
   EXPECT_NEAR(drift_at(wheel, {0, 0, 0.25}).excess_max, 0.15, exact);

@@ -116,7 +116,7 @@ TEST(SceneJointFile, ReadsEveryKind) {
   EXPECT_EQ(gear.ratio, -2.5);
   EXPECT_TRUE(gear.rack);
   const auto wheel =
-      std::get<WheelJoint>(read(arm("wheel", R"("at": [0, 0, 0], "suspension": {"range": [-0.1, 0.1]}, "steering": {},
+      std::get<WheelJoint>(read(arm("wheel", R"("at": [0, 0, 0], "suspension": {"range": [0, 0]}, "steering": {},
                            "spin": {"motor": {"speed": 9, "max_force": 1}})"))
                                .def.kind);
   EXPECT_FALSE(wheel.suspension.spring) << "what a file says of an axis replaces all of its default";

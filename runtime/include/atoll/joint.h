@@ -180,6 +180,8 @@ struct GearJoint {
 /// A spring of the suspension that is given as a frequency is that of a dynamic chassis on it: its stiffness counts by
 /// the mass that the chassis shows at the wheel, along the suspension, as the joint is added or set. It is replaced by
 /// that stiffness and damping in the joint's definition. At 2 Hz a box on a wheel at each corner sinks by about 0.1 m.
+/// An axis that is given replaces all of the default one. So a range of the suspension whose ends differ needs a spring
+/// or a motor beside it, else Error: the chassis would drop onto its end.
 struct WheelJoint {
   JointAxis suspension = {.spring = JointSpring{.hertz = 2, .damping_ratio = 0.7}};  ///< m
   JointAxis steering = {.range = {0, 0}};                                            ///< rad
