@@ -79,7 +79,10 @@ struct Place {
     }
     return surface;
   }
-  Placed operator()(const HeightField& field) const { return PlacedSurface{position, axes, field, {}}; }
+  Placed operator()(const HeightField& field) const {
+    const auto is_hole = [](double height) { return std::isnan(height); };
+    return PlacedSurface{position, axes, field, {}, std::ranges::any_of(field.heights(), is_hole)};
+  }
 };
 
 /// Radius about the middle of the shape's bounds, which is where `middle` lies in its frame.

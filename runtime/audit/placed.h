@@ -31,6 +31,7 @@ struct PlacedSurface {
   Matrix3 axes;  ///< columns: the surface's axes in the world frame
   std::variant<TriangleMesh, HeightField> geometry;
   std::vector<Eigen::AlignedBox3d> blocks;  ///< of a mesh: bounds of each `block_size` triangles, surface frame
+  bool has_holes = false;                   ///< of a height field, which is not solid below then
 
   static constexpr std::size_t block_size = 64;
 };

@@ -26,6 +26,8 @@ Eigen::AlignedBox3d bounds_in(const PlacedSurface& surface, const Solid& solid) 
   return {low, high};
 }
 
+bool is_hole(double height) { return std::isnan(height); }
+
 /// A triangle in the world's axes about its first corner.
 Corners turned(const PlacedSurface& surface, const Corners& corners) {
   return {Vector3::Zero(), surface.axes * (corners[1] - corners[0]), surface.axes * (corners[2] - corners[0])};
@@ -60,7 +62,7 @@ std::pair<std::size_t, std::size_t> cells_within(double low, double high, double
 }
 
 template <class Visit>
-void visit_columns(const HeightField& field, const Eigen::AlignedBox3d& box, const Visit& visit) {
+void visit_columns(const HeightField& field, bool has_holes, const Eigen::AlignedBox3d& box, const Visit& visit) {
   const auto [low_x, high_x] = cells_within(box.min().x(), box.max().x(), field.spacing_x(), field.columns());
   const auto [low_y, high_y] = cells_within(box.min().y(), box.max().y(), field.spacing_y(), field.rows());
   const auto sample = [&](std::size_t i, std::size_t j) {
@@ -72,10 +74,15 @@ void visit_columns(const HeightField& field, const Eigen::AlignedBox3d& box, con
       const Vector3 begin = sample(i, j);
       const Vector3 end = sample(i + 1, j + 1);
       for (const Corners& corners : {Corners{begin, sample(i + 1, j), end}, Corners{begin, end, sample(i, j + 1)}}) {
+        if (is_hole(corners[0].z() + corners[1].z() + corners[2].z())) continue;
         const Eigen::AlignedBox3d bounds = bounds_of(corners);
         const double below = bounds.max().z() - box.min().z();
-        // So deep that the way out downwards is longer than any other.
-        if (below >= 0) visit(corners, 4 * (below + box.diagonal().norm() + bounds.diagonal().norm()));
+        if (has_holes) {
+          if (bounds.intersects(box)) visit(corners, 0.0);
+        } else if (below >= 0) {
+          // So deep that the way out downwards is longer than any other.
+          visit(corners, 4 * (below + box.diagonal().norm() + bounds.diagonal().norm()));
+        }
       }
     }
   }
@@ -86,7 +93,7 @@ void visit_triangles(const PlacedSurface& surface, const Eigen::AlignedBox3d& bo
   if (const auto* mesh = std::get_if<TriangleMesh>(&surface.geometry)) {
     visit_plates(surface, *mesh, box, visit);
   } else {
-    visit_columns(std::get<HeightField>(surface.geometry), box, visit);
+    visit_columns(std::get<HeightField>(surface.geometry), surface.has_holes, box, visit);
   }
 }
 
@@ -124,7 +131,7 @@ std::vector<Solid> triangles_of(const PlacedSurface& surface) {
 double gap_to_bounds(const PlacedSurface& surface, const Solid& solid) {
   Eigen::AlignedBox3d bounds = surface_bounds(surface);
   const Eigen::AlignedBox3d box = bounds_in(surface, solid);
-  if (std::holds_alternative<HeightField>(surface.geometry)) {
+  if (std::holds_alternative<HeightField>(surface.geometry) && !surface.has_holes) {
     bounds.min().z() = std::min(bounds.min().z(), box.min().z());  // solid below
   }
   return bounds.exteriorDistance(box);
@@ -138,6 +145,7 @@ std::vector<Vector3> vertices_of(const PlacedSurface& surface) {
   }
   const auto& field = std::get<HeightField>(surface.geometry);
   for (std::size_t i = 0; i < field.heights().size(); ++i) {
+    if (is_hole(field.heights()[i])) continue;
     result.push_back(
         placed(surface, {static_cast<double>(i % field.columns()) * field.spacing_x(),
                          static_cast<double>(i / field.columns()) * field.spacing_y(), field.heights()[i]}));
@@ -152,9 +160,12 @@ Eigen::AlignedBox3d surface_bounds(const PlacedSurface& surface) {
     return box;
   }
   const auto& field = std::get<HeightField>(surface.geometry);
-  const auto [lowest, highest] = std::minmax_element(field.heights().begin(), field.heights().end());
-  return {Vector3(0, 0, *lowest),
-          Vector3((field.columns() - 1) * field.spacing_x(), (field.rows() - 1) * field.spacing_y(), *highest)};
+  const Vector3 corner((field.columns() - 1) * field.spacing_x(), (field.rows() - 1) * field.spacing_y(), 0);
+  for (const double height : field.heights()) {
+    if (is_hole(height)) continue;
+    box.extend(Vector3(0, 0, height)).extend(corner + height * Vector3::UnitZ());
+  }
+  return box;
 }
 
 }  // namespace atl::audit

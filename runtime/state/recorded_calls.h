@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "state/filter_state.h"
 #include "state/joint_state.h"
@@ -214,6 +215,14 @@ struct Sleep {
   void make(World& world) const { world.sleep(body); }
 };
 
+struct SetHeights {
+  BodyId body;
+  std::uint32_t column, row, columns;
+  std::vector<double> heights;
+  static auto fields(auto& self) { return std::tie(self.body, self.column, self.row, self.columns, self.heights); }
+  void make(World& world) const { world.set_heights(body, column, row, columns, heights); }
+};
+
 }  // namespace atl::calls
 
 namespace atl {
@@ -224,7 +233,7 @@ using RecordedCall =
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
                  calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom, calls::SetEnabled,
-                 calls::Sleep, calls::SetJointDefinition>;
+                 calls::Sleep, calls::SetJointDefinition, calls::SetHeights>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {
@@ -239,6 +248,8 @@ void visit_field(Archive& archive, Field& field) {
   } else if constexpr (std::is_same_v<T, Pose>) {
     visit_field(archive, field.position);
     visit_field(archive, field.orientation);
+  } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+    archive.list(field);
   } else if constexpr (std::is_same_v<T, std::string>) {
     visit_text(archive, field);
   } else if constexpr (std::is_same_v<T, Material>) {

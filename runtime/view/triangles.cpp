@@ -1,5 +1,6 @@
 #include "view/triangles.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -144,17 +145,23 @@ Triangles surface_of(const TriangleMesh& mesh, int) {
 
 Triangles surface_of(const HeightField& field, int) {
   Triangles result;
+  const std::span<const double> heights = field.heights();
+  const auto is_hole = [&](double height) { return std::isnan(height); };
+  const auto ground = std::find_if_not(heights.begin(), heights.end(), is_hole);
+  double last = ground == heights.end() ? 0 : *ground;  // samples of holes are no triangle's, but need a place
   for (std::uint32_t row = 0; row < field.rows(); ++row) {
     for (std::uint32_t column = 0; column < field.columns(); ++column) {
-      result.vertices.emplace_back(column * field.spacing_x(), row * field.spacing_y(),
-                                   field.heights()[std::size_t{row} * field.columns() + column]);
+      const double height = heights[std::size_t{row} * field.columns() + column];
+      if (!is_hole(height)) last = height;
+      result.vertices.emplace_back(column * field.spacing_x(), row * field.spacing_y(), last);
     }
   }
   for (std::uint32_t row = 0; row + 1 < field.rows(); ++row) {
     for (std::uint32_t column = 0; column + 1 < field.columns(); ++column) {
       const std::uint32_t a = row * field.columns() + column, b = a + 1, c = a + field.columns(), d = c + 1;
-      result.triangles.push_back({a, b, d});
-      result.triangles.push_back({a, d, c});
+      if (is_hole(heights[a] + heights[d])) continue;
+      if (!is_hole(heights[b])) result.triangles.push_back({a, b, d});
+      if (!is_hole(heights[c])) result.triangles.push_back({a, d, c});
     }
   }
   return result;

@@ -326,7 +326,7 @@ void refer_to_geometry(Stores& world, std::uint32_t body) {
 
 }  // namespace
 
-void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants) {
+void exchange_constants(Stores& world, std::uint32_t body, const BodyConstants& constants) {
   BodyRecords& records = world.records;
   const bool takes_part = !world.quarantine.contains(body);
   if (takes_part) world.contents.count(world.bodies, records, body, -1);
@@ -341,6 +341,10 @@ void change_constants(Stores& world, std::uint32_t body, const BodyConstants& co
   }
   ++records.version;
   run_surface(world, body, world.bodies.surfaces.empty() ? Vector3::Zero() : world.bodies.surfaces[body].velocity);
+}
+
+void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants) {
+  exchange_constants(world, body, constants);
   world.cache.for_each_contact_of(body, [&](std::uint32_t slot) {
     const collision::ContactCache::Start start = contact_start(world, world.cache.contacts[slot].pair);
     world.cache.manifolds[slot].friction = start.friction;

@@ -43,6 +43,8 @@ void set_pose(Stores& world, std::uint32_t body, const Vector3& origin, const Qu
 void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity);
 /// The same of a body that others may lie on: they wake.
 void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity);
+/// Stores other constants of a body, with shapes of the same kinds and the same centre of mass. Nothing follows yet.
+void exchange_constants(Stores& world, std::uint32_t body, const BodyConstants& constants);
 /// Gives a body other constants, with the same shapes and centre of mass. What is joined to it is solved anew.
 void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants);
 void give_name(Stores& world, std::uint32_t body, std::string_view name);

@@ -1,11 +1,17 @@
 #include "world/redefine.h"
 
 #include <atoll/error.h>
+#include <collision/shapes/height_field.h>
 #include <features/with_direct_contacts.h>
 #include <features/with_joints.h>
 #include <solver/integrate/motion_locks.h>
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
 #include <utility>
+#include <variant>
 
 #include "state/world_definition.h"
 #include "world/bodies.h"
@@ -119,6 +125,87 @@ BodyConstants redefined(const Stores& world, std::uint32_t body, const BodyDef& 
   }
   if (fingerprint(before) == fingerprint(after)) return present;
   return after;
+}
+
+namespace {
+
+// Bounds, in the world, of all triangles of a field that other heights of these samples change, as they are now. The
+// normals of a smooth surface and the neighbours of edges reach two samples farther.
+collision::Bounds changed_bounds(const Stores& world, std::uint32_t collider, const Samples& samples,
+                                 std::size_t rows) {
+  const collision::HeightField& field = *world.colliders.shape[collider].field;
+  const auto from = [](std::uint32_t first) { return first - std::min(first, 2u); };
+  const auto end = [](std::size_t last, std::uint32_t all) { return std::min<std::size_t>(last + 2, all); };
+  const std::size_t right = end(std::size_t{samples.column} + samples.columns, field.columns);
+  const std::size_t top = end(samples.row + rows, field.rows);
+  double lowest = field.highest, highest = field.lowest;
+  for (std::size_t row = from(samples.row); row < top; ++row) {
+    for (std::size_t column = from(samples.column); column < right; ++column) {
+      const double height = field.heights[row * field.columns + column];
+      lowest = std::fmin(lowest, height);  // the other one of a hole
+      highest = std::fmax(highest, height);
+    }
+  }
+  const Vector3 lower(from(samples.column) * field.spacing_x, from(samples.row) * field.spacing_y, lowest);
+  const Vector3 upper((static_cast<double>(right) - 1) * field.spacing_x,
+                      (static_cast<double>(top) - 1) * field.spacing_y, highest);
+  const collision::Pose pose =
+      world.colliders.pose(collider, {world.bodies.positions.data(), world.bodies.orientations.data()});
+  const Matrix3 rotation = pose.orientation.toRotationMatrix();
+  const Vector3 centre = pose.position + rotation * (lower + upper) / 2;
+  const Vector3 half = rotation.cwiseAbs() * (upper - lower) / 2;
+  return {centre - half, centre + half};
+}
+
+// The contacts of a collider that triangles within these bounds may have a part in are computed anew in the next step.
+void outdate_contacts(Stores& world, std::uint32_t collider, const collision::Bounds& changed) {
+  const collision::BodyMotions now = motions(world);
+  world.cache.for_each_contact_of(world.colliders.body[collider], [&](std::uint32_t slot) {
+    collision::Contact& contact = world.cache.contacts[slot];
+    const std::uint32_t other = contact.pair.first == collider ? contact.pair.second : contact.pair.first;
+    const double reach = std::max(contact.gap, contact.margin) + contact.size;
+    const collision::Bounds own = now.bounds_now(other);
+    if (((own.lower - changed.upper).array() > reach).any() || ((changed.lower - own.upper).array() > reach).any()) {
+      return;
+    }
+    contact.gap = 0;
+    contact.set_tolerance(0);
+  });
+}
+
+void wake_within(Stores& world, const collision::Bounds& bounds) {
+  const collision::Aabb box = collision::Aabb::around(bounds.lower, bounds.upper);
+  const collision::Proxies& proxies = world.broadphase.proxies();
+  for (std::uint32_t collider = 0; collider < world.colliders.shape.size(); ++collider) {
+    if (!proxies.contains(collider) || proxies.is_half_space(collider)) continue;
+    if (proxies.fat_box(collider).overlaps(box)) world.sleeping.wake(world.colliders.body[collider]);
+  }
+}
+
+}  // namespace
+
+void change_heights(Stores& world, std::uint32_t body, const Samples& samples, std::span<const double> heights) {
+  BodyConstants constants = *world.records.constants[body];
+  CheckedCollider& ground = constants.colliders.front();
+  if (ground.shape.kind != collision::ShapeKind::HeightField) {
+    throw Error("World::set_heights: the body has another shape; expected a HeightField");
+  }
+  auto made = collision::with_heights(*ground.shape.field, samples.column, samples.row, samples.columns, heights);
+  if (const auto* problem = std::get_if<std::string>(&made)) throw Error("World::set_heights: " + *problem);
+  const auto field = std::make_shared<const collision::HeightField>(std::get<collision::HeightField>(std::move(made)));
+  ground.shape = collision::Shape::height_field(*field);
+  ground.geometry = field;
+  ground.content = field->content;
+  const std::uint32_t collider = world.colliders.first[body];
+  const std::size_t rows = heights.size() / samples.columns;
+  const collision::Bounds before = changed_bounds(world, collider, samples, rows);
+  exchange_constants(world, body, constants);
+  note_size(world, body);
+  const collision::Bounds after = changed_bounds(world, collider, samples, rows);
+  const collision::Bounds both = {before.lower.cwiseMin(after.lower), before.upper.cwiseMax(after.upper)};
+  outdate_contacts(world, collider, both);
+  wake_within(world, both);
+  move_proxies(world, body);
 }
 
 }  // namespace atl

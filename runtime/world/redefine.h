@@ -4,6 +4,7 @@
 #include <atoll/body.h>
 
 #include <cstdint>
+#include <span>
 
 #include "world/body_definition.h"
 #include "world/stores.h"
@@ -16,5 +17,12 @@ BodyConstants redefined(const Stores& world, std::uint32_t body, const BodyDef& 
 /// Gives a body these constants, and all stores what follows from them. Its frame moves on as it did. What touches it
 /// is found anew if its type, shapes, centre of mass or what it collides with changed.
 void redefine(Stores& world, std::uint32_t body, const BodyConstants& constants);
+
+/// The samples of a height field that are given other heights, but for how many rows there are.
+struct Samples {
+  std::uint32_t column, row, columns;
+};
+/// Does World::set_heights(), and throws what it throws.
+void change_heights(Stores& world, std::uint32_t body, const Samples& samples, std::span<const double> heights);
 
 }  // namespace atl

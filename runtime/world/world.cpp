@@ -468,6 +468,14 @@ void World::set_shape(BodyId id, const Shape& shape) {
   impl_->redefine(body, constants);
 }
 
+void World::set_heights(BodyId id, std::uint32_t column, std::uint32_t row, std::uint32_t columns,
+                        std::span<const double> heights) {
+  const std::uint32_t body = impl_->index_to_change(id, "set_heights");
+  change_heights(impl_->stores, body, {column, row, columns}, heights);
+  impl_->query_gate.note(impl_->stores.broadphase);
+  note<calls::SetHeights>(*impl_, id, column, row, columns, std::vector(heights.begin(), heights.end()));
+}
+
 void World::set_definition(BodyId id, const BodyDef& def) {
   const std::uint32_t body = impl_->index_to_change(id, "set_definition");
   BodyDef asked = def;

@@ -4,6 +4,7 @@
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -106,6 +107,19 @@ const std::vector<Feature>& features() {
              const BodyId id = bodies[static_cast<std::size_t>(step) % bodies.size()];
              if (step % 5 == 2) world.set_shape(id, Capsule{.radius = 0.2, .half_height = 0.2});
              if (step % 5 == 4) world.set_shape(id, pieces(step));
+           }},
+      {.name = "set_heights",
+       .act =
+           [](World& world, const std::vector<BodyId>&, int step) {
+             if (step == 0) {
+               world.add_body({.type = BodyType::Static,
+                               .shape = HeightField(9, 9, 0.25, 0.25, std::vector(81, 0.1)),
+                               .position = {-1, -1, 0},
+                               .name = "hills"});
+             }
+             const double height = step % 6 == 1 ? std::nan("") : 0.05 * (step % 5);
+             const auto column = static_cast<std::uint32_t>(step % 6);
+             if (step % 3 == 1) world.set_heights(*world.find_body("hills"), column, 2, 2, std::vector(6, height));
            }},
       {.name = "set_material",
        .act =

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <numbers>
 #include <vector>
@@ -79,6 +80,11 @@ inline const std::vector<Change>& changes() {
          yard.world.add_body({.type = BodyType::Static, .shape = slab(), .position = {4, 4, 0.1}});
          yard.world.add_body({.type = BodyType::Static, .shape = hills(), .position = {-6, -6, 0}});
          yard.world.add_body(sphere({-5, -5, 1}, 0.3));
+       }},
+      {"ground that is dug away", kind_of<calls::SetHeights>(),
+       [](Yard& yard) {
+         const BodyId id = yard.world.add_body({.type = BodyType::Static, .shape = hills(), .position = {3, 3, 0.5}});
+         yard.world.set_heights(id, 1, 0, 2, std::array{0.4, std::nan(""), -0.2, 0.3});
        }},
       {"a body is removed", kind_of<calls::RemoveBody>(), [](Yard& yard) { yard.world.remove_body(yard.ids[1]); }},
       {"a pose", kind_of<calls::SetPose>(),

@@ -277,9 +277,9 @@ TEST(Shapes, RefuseBadGeometry) {
       {"TriangleMesh::scaled", "nan"});
   expect_error(
       [] {
-        HeightField(3, 2, 1, 1, {0, 0, 0, 0, nan, 0});
+        HeightField(3, 2, 1, 1, {0, 0, 0, 0, -1 / 0.0, 0});
       },
-      {"HeightField", "found a height of nan at column 1, row 1"});
+      {"HeightField", "found a height of -inf at column 1, row 1"});
   expect_error([] { HeightField(3, 2, 1, 1, {0}); }, {"found 1 heights", "3 * 2 = 6"});
 }
 

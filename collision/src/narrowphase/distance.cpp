@@ -82,8 +82,9 @@ void nearest_of_field(const HeightField& field, const Bounds& bounds, NearestTri
   };
   const std::uint32_t below = 2 * (cell(middle.y(), field.spacing_y, field.rows) * (field.columns - 1) +
                                    cell(middle.x(), field.spacing_x, field.columns));
-  nearest.test(below, field.face(below).vertices);
-  nearest.test(below + 1, field.face(below + 1).vertices);
+  for (const std::uint32_t number : {below, below + 1}) {
+    if (!field.is_hole(number)) nearest.test(number, field.face(number).vertices);
+  }
   const double limit = std::min(nearest.limit(), 1e30);
   field.query(reached_from(bounds, limit),
               [&](std::uint32_t number) { nearest.test(number, field.face(number).vertices); });

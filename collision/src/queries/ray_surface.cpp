@@ -106,7 +106,10 @@ void test_cell(const HeightField& field, std::uint32_t i, std::uint32_t j, doubl
   const double b = field.height(i + 1, j);
   const double c = field.height(i + 1, j + 1);
   const double d = field.height(i, j + 1);
-  if (std::min({a, b, c, d}) > upper || std::max({a, b, c, d}) < lower) return;
+  if (std::isnan(a + c) || std::fmin(std::min(a, c), std::fmin(b, d)) > upper ||
+      std::fmax(std::max(a, c), std::fmax(b, d)) < lower) {
+    return;  // fmin and fmax leave holes out
+  }
   const double x = i * field.spacing_x;
   const double y = j * field.spacing_y;
   const double next_x = (i + 1) * field.spacing_x;
@@ -114,8 +117,8 @@ void test_cell(const HeightField& field, std::uint32_t i, std::uint32_t j, doubl
   const Vector3 first(x, y, a);
   const Vector3 across(next_x, next_y, c);
   const std::uint32_t number = 2 * (j * (field.columns - 1) + i);
-  closest.test(number, first, {next_x, y, b}, across);
-  closest.test(number + 1, first, across, {x, next_y, d});
+  if (!std::isnan(b)) closest.test(number, first, {next_x, y, b}, across);
+  if (!std::isnan(d)) closest.test(number + 1, first, across, {x, next_y, d});
 }
 
 }  // namespace

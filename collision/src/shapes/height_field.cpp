@@ -45,10 +45,15 @@ struct Normals {
   }
 };
 
-// The smooth surface's normal at a sample, by central differences, at the border by one-sided ones.
-Vector3 sample_normal(const HeightField& field, std::uint32_t i, std::uint32_t j) {
-  const std::uint32_t left = i > 0 ? i - 1 : 0, right = std::min(i + 1, field.columns - 1);
-  const std::uint32_t below = j > 0 ? j - 1 : 0, above = std::min(j + 1, field.rows - 1);
+// The smooth surface's normal at a sample, by central differences, at the border and beside holes by one-sided ones,
+// and where a hole is on either side, that of the triangle.
+Vector3 sample_normal(const HeightField& field, std::uint32_t i, std::uint32_t j, const Vector3& of_triangle) {
+  const auto ground = [&](std::uint32_t column, std::uint32_t row) { return !std::isnan(field.height(column, row)); };
+  const std::uint32_t left = i > 0 && ground(i - 1, j) ? i - 1 : i;
+  const std::uint32_t right = i + 1 < field.columns && ground(i + 1, j) ? i + 1 : i;
+  const std::uint32_t below = j > 0 && ground(i, j - 1) ? j - 1 : j;
+  const std::uint32_t above = j + 1 < field.rows && ground(i, j + 1) ? j + 1 : j;
+  if (left == right || below == above) return of_triangle;
   return upward((field.height(right, j) - field.height(left, j)) / ((right - left) * field.spacing_x),
                 (field.height(i, above) - field.height(i, below)) / ((above - below) * field.spacing_y));
 }
@@ -83,6 +88,12 @@ Triangle HeightField::face(std::uint32_t index) const {
   return result;
 }
 
+bool HeightField::is_hole(std::uint32_t index) const {
+  const auto [i, j] = cell(index);
+  const double third = index % 2 == 0 ? height(i + 1, j) : height(i, j + 1);
+  return std::isnan(height(i, j) + height(i + 1, j + 1) + third);
+}
+
 void HeightField::complete(std::uint32_t index, Triangle& face) const {
   const auto [i, j] = cell(index);
   const Normals normals{*this};
@@ -100,10 +111,17 @@ void HeightField::complete(std::uint32_t index, Triangle& face) const {
     if (inside[1]) face.neighbour_normals[1] = normals.below(i, j + 1);
     if (inside[2]) face.neighbour_normals[2] = normals.below(i - 1, j);
   }
+  for (std::size_t e = 0; e < 3; ++e) {
+    if (!face.neighbour_normals[e].hasNaN()) continue;
+    inside[e] = false;  // a hole
+    face.neighbour_normals[e] = face.normal;
+  }
   if (smooth) {
-    face.corner_normals = {sample_normal(*this, i, j),
-                           is_below ? sample_normal(*this, i + 1, j) : sample_normal(*this, i + 1, j + 1),
-                           is_below ? sample_normal(*this, i + 1, j + 1) : sample_normal(*this, i, j + 1)};
+    const auto at = [&](std::uint32_t column, std::uint32_t row) {
+      return sample_normal(*this, column, row, face.normal);
+    };
+    face.corner_normals = {at(i, j), is_below ? at(i + 1, j) : at(i + 1, j + 1),
+                           is_below ? at(i + 1, j + 1) : at(i, j + 1)};
   }
   for (std::size_t e = 0; e < 3; ++e) {
     const Vector3 edge = face.vertices[(e + 1) % 3] - face.vertices[e];
@@ -143,15 +161,21 @@ std::variant<HeightField, std::string> build_height_field(std::uint32_t columns,
     return text("found ", heights.size(), " heights, expected columns * rows = ", columns, " * ", rows, " = ", count);
   }
   HeightField field;
-  field.lowest = field.highest = heights[0];
+  field.lowest = std::numeric_limits<double>::infinity();
+  field.highest = -field.lowest;
   for (std::size_t i = 0; i < count; ++i) {
+    if (std::isnan(heights[i])) {
+      heights[i] = std::numeric_limits<double>::quiet_NaN();  // of the same bits, whatever computed it
+      continue;
+    }
     if (!(std::abs(heights[i]) <= largest_length)) {
       return text("found a height of ", heights[i], " at column ", i % columns, ", row ", i / columns,
-                  ", expected a finite number up to 1e30 m");
+                  ", expected a number up to 1e30 m, or NaN for a hole");
     }
     field.lowest = std::min(field.lowest, heights[i]);
     field.highest = std::max(field.highest, heights[i]);
   }
+  if (field.lowest > field.highest) field.lowest = field.highest = 0;
   field.columns = columns;
   field.rows = rows;
   field.spacing_x = spacing_x;
@@ -162,6 +186,22 @@ std::variant<HeightField, std::string> build_height_field(std::uint32_t columns,
   field.bounding_radius = Vector3((columns - 1) * spacing_x, (rows - 1) * spacing_y, farthest_up).norm();
   field.content = content_of(field);
   return field;
+}
+
+std::variant<HeightField, std::string> with_heights(const HeightField& field, std::uint32_t column, std::uint32_t row,
+                                                    std::uint32_t columns, std::span<const double> heights) {
+  const std::size_t rows = columns > 0 ? heights.size() / columns : 0;
+  if (rows * columns != heights.size() || heights.empty() || std::size_t{column} + columns > field.columns ||
+      row + rows > field.rows) {
+    return text("found ", heights.size(), " heights in ", columns, " columns from column ", column, ", row ", row,
+                " on, expected whole rows within the field's ", field.columns, " columns and ", field.rows, " rows");
+  }
+  std::vector<double> all = field.heights;
+  for (std::size_t i = 0; i < rows; ++i) {
+    std::copy_n(heights.begin() + static_cast<std::ptrdiff_t>(i * columns), columns,
+                all.begin() + static_cast<std::ptrdiff_t>((row + i) * field.columns + column));
+  }
+  return build_height_field(field.columns, field.rows, field.spacing_x, field.spacing_y, std::move(all), field.smooth);
 }
 
 }  // namespace atl::collision

@@ -103,10 +103,10 @@ struct MovingBody {
 /// A compound counts by the deepest of its children. A mesh has no inside: a solid overlaps a triangle by the least
 /// translation, forwards, backwards or over an edge, that takes it off that triangle, and a mesh by the largest over
 /// its triangles. A solid that has sunk in by more than half is nearer to the back and counts by that; one that has
-/// passed through altogether no longer overlaps. A height field is solid below: each of its triangles stands for the
-/// column under it, and the largest over the columns counts. A solid all of which lies deep below counts by at least
-/// what it takes to leave the column sideways. Surfaces against half-spaces count by their deepest vertex, against each
-/// other by their triangles.
+/// passed through altogether no longer overlaps. A height field is solid below: each of its triangles stands for
+/// the column under it, and the largest over the columns counts. A solid all of which lies deep below counts by at
+/// least what it takes to leave the column sideways. One with holes counts as a mesh does. Surfaces against half-
+/// spaces count by their deepest vertex, against each other by their triangles.
 ///
 /// The pose is that of the frame that the shape is given in.
 double overlap(const PlacedShape& a, const PlacedShape& b);

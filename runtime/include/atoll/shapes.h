@@ -136,7 +136,8 @@ class HeightField {
  public:
   /// heights[row * columns + column] (m) is that at x = column * spacing_x, y = row * spacing_y; columns and
   /// rows >= 2, spacings > 0, all finite, else Error. A cell's diagonal runs from its lower left to its upper
-  /// right sample. With `smooth`, the samples stand for a smooth surface, as of a TriangleMesh with a smooth angle, and
+  /// right sample. A height of NaN is a hole: the triangles at that sample are not there, and things fall through and
+  /// may go below the others. World::set_heights() changes heights later. With `smooth`, the samples stand for a smooth surface, as of a TriangleMesh with a smooth angle, and
   /// without creases.
   HeightField(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
               std::vector<double> heights, bool smooth = false);

@@ -233,6 +233,12 @@ class World {
   /// Its frame, mass and rigid motion stay; inertia and centre of mass become those of the new shape at this mass,
   /// whatever the definition gave. What touched it is found anew, without warm start.
   void set_shape(BodyId id, const Shape& shape);
+  /// Gives a body's HeightField other heights (m; NaN: a hole) in a rectangle of samples, of so many columns, from that
+  /// sample on, row after row. What touches it near there is found anew and wakes, all else goes on as it was. Takes
+  /// time linear in the samples of the field, a copy of which it makes: other bodies of the shape keep theirs. Throws
+  /// Error if the body has another shape, the rectangle is not within the field, or a height is infinite.
+  void set_heights(BodyId id, std::uint32_t column, std::uint32_t row, std::uint32_t columns,
+                   std::span<const double> heights);
   /// Makes a body, under its id, what a definition says: another type, sensor or not, continuous or not, other
   /// locks, mass, inertia, centre of mass, materials of a compound's children, or anything else that add_body() takes.
   /// Begin with definition(): what is as there stays to the bit, rounding of a mass that goes with other changes aside.

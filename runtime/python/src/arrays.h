@@ -20,6 +20,8 @@ namespace atl::python {
 /// An array of float64 that is passed in, C-contiguous; others are converted on the way.
 template <int columns>
 using Rows = nb::ndarray<const double, nb::shape<-1, columns>, nb::c_contig, nb::device::cpu>;
+/// The same with any number of columns.
+using Heights = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 /// The rows as columns, without a copy.
 template <int columns>

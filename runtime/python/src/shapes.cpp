@@ -16,7 +16,6 @@
 namespace atl::python {
 namespace {
 
-using Heights = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Indices = nb::ndarray<const std::uint32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 std::span<const Vector3> points_of(const Rows<3>& rows) {
@@ -176,7 +175,7 @@ void bind_geometry(nb::module_& module) {
       .def("__init__", make_field, nb::arg("heights"), nb::arg("spacing_x") = 1.0, nb::arg("spacing_y") = 1.0,
            nb::arg("smooth") = false,
            "heights: m, shape (rows, columns), at least 2 x 2: heights[j, i] is that at x = i * spacing_x, y = j * "
-           "spacing_y. spacings: m, > 0. smooth: the samples stand for a smooth surface.")
+           "spacing_y; NaN is a hole. spacings: m, > 0. smooth: the samples stand for a smooth surface.")
       .def_prop_ro(
           "heights",
           [](const HeightField& self) {

@@ -108,6 +108,15 @@ void bind_bodies(Class& world) {
       .def("set_gravity_scale", &World::set_gravity_scale, nb::arg("body"), nb::arg("scale"))
       .def("set_damping", &World::set_damping, nb::arg("body"), nb::arg("linear"), nb::arg("angular"), "1/s, >= 0")
       .def("set_shape", &World::set_shape, nb::arg("body"), nb::arg("shape"), "Frame, mass and motion stay.")
+      .def(
+          "set_heights",
+          [](World& self, BodyId body, std::uint32_t row, std::uint32_t column, const Heights& heights) {
+            const std::size_t count = heights.shape(0) * heights.shape(1);
+            self.set_heights(body, column, row, static_cast<std::uint32_t>(heights.shape(1)), {heights.data(), count});
+          },
+          nb::arg("body"), nb::arg("row"), nb::arg("column"), nb::arg("heights"),
+          "Gives a body's HeightField other heights, m, shape (rows, columns), NaN for holes, from that sample on: "
+          "heights[row:, column:]. Only what touches it near there wakes and is found anew.")
       .def("set_definition", &World::set_definition, nb::arg("body"), nb::arg("definition"),
            "Makes of a body, under its id, what a definition says: another type, mass, sensor or not, ... Begin with "
            "definition(body); what is as there stays.")

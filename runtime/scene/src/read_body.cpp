@@ -13,7 +13,7 @@ namespace {
 template <class Part>
 Part named_or_inline(const Reader& in, const std::map<std::string, Part, std::less<>>& library, const char* kind,
                      Part (*read)(const Reader&)) {
-  if (!in.is_string()) return read(in);
+  if (!in.is<std::string>()) return read(in);
   const std::string& name = in.string();
   if (const auto found = library.find(name); found != library.end()) return found->second;
   std::vector<std::string_view> names;

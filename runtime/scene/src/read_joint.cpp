@@ -54,7 +54,7 @@ JointMotor read_motor(const Reader& in) {
   JointMotor motor;
   get(in, "speed", motor.speed);
   const Reader force = in.at("max_force", "a number >= 0, in N, or N m where it turns");
-  const bool without_limit = force.is_string() && force.string() == "unlimited";
+  const bool without_limit = force.is<std::string>() && force.string() == "unlimited";
   motor.max_force = without_limit ? unlimited : force.number(at_least(0));
   if (const auto servo = in.find("servo")) motor.servo = read_servo(*servo);
   return motor;
@@ -361,7 +361,7 @@ void Places::add(const std::string& name) {
 std::size_t Places::read(const Reader& in) const {
   const std::string what = what_;
   if (count_ == 0) in.fail("no " + what + " yet", "one that is ahead of it in the file");
-  if (!in.is_string()) {
+  if (!in.is<std::string>()) {
     return static_cast<std::size_t>(in.integer(0, static_cast<int>(count_) - 1));
   }
   if (const auto found = names_.find(in.string()); found != names_.end()) return found->second;

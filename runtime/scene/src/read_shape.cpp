@@ -187,7 +187,11 @@ HeightField read_height_field(const Reader& in) {
     if (j == 0) columns = size;
     if (size < 2) row.expected("at least two heights");
     if (size != columns) row.fail("a row of " + std::to_string(size), std::to_string(columns) + " as in the first row");
-    for (std::size_t i = 0; i < size; ++i) heights.push_back(row.element(i).number());
+    for (std::size_t i = 0; i < size; ++i) {
+      const Reader height = row.element(i);
+      heights.push_back(height.is<std::monostate>() ? std::numeric_limits<double>::quiet_NaN()
+                                                    : height.number());  // a hole
+    }
   }
   constexpr const char* distances = "an array of two numbers, [x, y]";
   const auto [x, y] = in.at("spacing", "[x, y], the distances between samples, in m").numbers<2>(distances, above(0));

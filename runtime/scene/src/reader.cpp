@@ -152,7 +152,7 @@ Vector3 read_vector(const Reader& in, const Range& range) {
 
 std::uint64_t read_unsigned(const Reader& in) {
   constexpr double largest = 1ull << 53;  // up to which a double holds each
-  if (in.is_string()) {
+  if (in.is<std::string>()) {
     const std::string& digits = in.string();
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);

@@ -40,7 +40,11 @@ class Reader {
  public:
   explicit Reader(const JsonDocument& document) : Reader(document, document.root) {}
 
-  bool is_string() const { return std::holds_alternative<std::string>(value_->data); }
+  /// True if it is a std::string, or, of null, a std::monostate.
+  template <typename T>
+  bool is() const {
+    return std::holds_alternative<T>(value_->data);
+  }
 
   bool is_number(double value) const {
     const double* number = std::get_if<double>(&value_->data);

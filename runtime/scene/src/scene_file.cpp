@@ -17,7 +17,7 @@ constexpr int most_steps = 1'000'000'000;
 
 void read_format(const Reader& in) {
   const Reader format = in.at("format", quote("atoll-scene"));
-  if (!format.is_string() || format.string() != "atoll-scene") format.expected(quote("atoll-scene"));
+  if (!format.is<std::string>() || format.string() != "atoll-scene") format.expected(quote("atoll-scene"));
   const Reader version = in.at("version", number_text(newest_version));
   if (!version.is_number(newest_version)) version.expected(number_text(newest_version));
 }

@@ -128,7 +128,10 @@ struct ShapeWriter {
   Json operator()(const HeightField& field) const {
     Json rows = Json::array();
     for (std::size_t row = 0; row < field.rows(); ++row) {
-      rows.push_back(field.heights().subspan(row * field.columns(), field.columns()));
+      Json& heights = rows.emplace_back(Json::array());
+      for (const double height : field.heights().subspan(row * field.columns(), field.columns())) {
+        heights.push_back(std::isnan(height) ? Json() : Json(height));  // null for a hole
+      }
     }
     return {{"type", "height_field"},
             {"heights", std::move(rows)},

@@ -4,7 +4,9 @@
 #include <collision/shapes/triangle.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,14 +14,14 @@
 namespace atl::collision {
 
 /// Heights over a grid in the x-y plane, two triangles a cell, front upwards. Made once and never changed. Nothing
-/// is stored by triangle: a field may have a billion of them.
+/// is stored by triangle: a field may have a billion of them. A triangle with a corner that is a hole isn't there.
 struct HeightField {
   std::uint32_t columns = 0;       ///< samples along x, >= 2
   std::uint32_t rows = 0;          ///< samples along y, >= 2
   double spacing_x = 1;            ///< m, > 0; sample (0, 0) lies at the origin
   double spacing_y = 1;            ///< m, > 0
-  std::vector<double> heights;     ///< m, along z; row after row: sample (i, j) at j * columns + i
-  double lowest = 0, highest = 0;  ///< m
+  std::vector<double> heights;     ///< m, along z; row after row: sample (i, j) at j * columns + i; NaN: a hole
+  double lowest = 0, highest = 0;  ///< m; 0 if all are holes
   double bounding_radius = 0;      ///< m, about the origin
   bool smooth = false;             ///< it stands for a smooth surface
   std::uint64_t content = 0;       ///< hash of all of these
@@ -34,6 +36,8 @@ struct HeightField {
   void complete(std::uint32_t index, Triangle& face) const;
 
   double height(std::uint32_t column, std::uint32_t row) const { return heights[std::size_t{row} * columns + column]; }
+  /// True if one of the triangle's corners is a hole.
+  bool is_hole(std::uint32_t index) const;
 
   /// The cell that a triangle belongs to.
   struct Cell {
@@ -60,21 +64,28 @@ struct HeightField {
         const double b = height(i + 1, j);
         const double c = height(i + 1, j + 1);
         const double d = height(i, j + 1);
+        if (std::isnan(a + c)) continue;
         const double diagonal_low = std::min(a, c);
         const double diagonal_high = std::max(a, c);
         const std::uint32_t below = 2 * (j * (columns - 1) + i);
-        if (std::min(diagonal_low, b) <= box.upper[2] && std::max(diagonal_high, b) >= box.lower[2]) visit(below);
-        if (std::min(diagonal_low, d) <= box.upper[2] && std::max(diagonal_high, d) >= box.lower[2]) visit(below + 1);
+        // In this order of arguments the result is NaN if the corner is a hole.
+        if (std::min(b, diagonal_low) <= box.upper[2] && std::max(b, diagonal_high) >= box.lower[2]) visit(below);
+        if (std::min(d, diagonal_low) <= box.upper[2] && std::max(d, diagonal_high) >= box.lower[2]) visit(below + 1);
       }
     }
   }
 };
 
 /// Error text where there is no field: fewer than 2 columns or rows, more triangles than 32 bits count, a spacing
-/// that isn't positive (or beyond 1e30 m), another number of heights than columns * rows, or one that isn't finite
-/// (or beyond 1e30 m).
+/// that isn't positive (or beyond 1e30 m), another number of heights than columns * rows, or one that is infinite
+/// (or beyond 1e30 m). NaN stands for a hole.
 std::variant<HeightField, std::string> build_height_field(std::uint32_t columns, std::uint32_t rows, double spacing_x,
                                                           double spacing_y, std::vector<double> heights,
                                                           bool smooth = false);
+
+/// The field with other heights in a rectangle of samples, of so many columns, from a sample on, row after row. Error
+/// text where the rectangle is not within the field, or a height is infinite.
+std::variant<HeightField, std::string> with_heights(const HeightField& field, std::uint32_t column, std::uint32_t row,
+                                                    std::uint32_t columns, std::span<const double> heights);
 
 }  // namespace atl::collision
