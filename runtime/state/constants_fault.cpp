@@ -2,6 +2,7 @@
 
 #include <atoll/error.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "world/body_definition.h"
@@ -83,7 +84,9 @@ bool has_valid_mass(const BodyConstants& body) {
 }  // namespace
 
 const char* constants_fault(const BodyConstants& body) {
-  if (!is_valid(body.material) || !is_number(body.gravity_scale) || !is_not_negative(body.linear_damping) ||
+  if (!is_valid(body.material) ||
+      !std::ranges::all_of(body.materials, [](const Material& each) { return is_valid(each); }) ||
+      !is_number(body.gravity_scale) || !is_not_negative(body.linear_damping) ||
       !is_not_negative(body.angular_damping)) {
     return "a body of an invalid material, gravity scale or damping";
   }

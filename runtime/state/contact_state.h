@@ -40,18 +40,22 @@ inline unsigned code_of_normal(const std::array<float, 3>& normal) {
   return 0;
 }
 
-/// They are one of a few values most of the time. Returns whether the normal was told by that.
+/// Tolerance and normal are one of a few values most of the time, and the material has no number. Returns whether the
+/// normal was told by that.
 template <typename Archive, typename Contact>
 bool visit_tolerance_and_normal(Archive& archive, Contact& contact) {
   std::uint8_t kind = 0;
   if constexpr (!Archive::reads) {
     const auto tolerance = std::find(contact_tolerances.begin(), contact_tolerances.end(), contact.tolerance);
-    kind = static_cast<std::uint8_t>((tolerance - contact_tolerances.begin()) | code_of_normal(contact.normal) << 2);
+    kind = static_cast<std::uint8_t>((tolerance - contact_tolerances.begin()) | code_of_normal(contact.normal) << 2 |
+                                     (contact.material != 0) << 5);
   }
   archive.value(kind);
   const unsigned tolerance = kind & 3;
-  const unsigned normal = kind >> 2;
-  archive.check(tolerance < contact_tolerances.size() && normal <= 6, "a contact of no kind that there is");
+  const unsigned normal = kind >> 2 & 7;
+  if ((kind >> 5) != 0) archive.value(contact.material);
+  archive.check(tolerance < contact_tolerances.size() && normal <= 6 && kind >> 6 == 0,
+                "a contact of no kind that there is");
   if constexpr (Archive::reads) {
     contact.set_tolerance(contact_tolerances[tolerance]);
     if (normal != 0) contact.normal = normal_of_code(normal);
@@ -121,6 +125,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
     archive.check(!(flags & is::near_ids) || contact.count > 1, "a contact with ids of points that it hasn't");
     archive.check(!(flags & is::rolling) || rolling != nullptr, "an impulse against rolling where nothing rolls");
     contact.axis = 0;
+    contact.material = 0;
     contact.set_tolerance(0);
     contact.gap = 0;
     collision::forget_impulses(manifold);
@@ -138,6 +143,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
   bool normal_told = false;
   if constexpr (Archive::hashes) {
     archive.value(contact.tolerance);
+    if (contact.material != 0) archive.value(contact.material);
   } else {
     normal_told = visit_tolerance_and_normal(archive, contact);
   }

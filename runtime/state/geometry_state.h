@@ -101,6 +101,7 @@ void write_geometry(Archive& archive, const CheckedCollider& collider) {
     case collision::ShapeKind::Mesh:
       visit_vectors(archive, collider.shape.mesh->vertices);
       archive.value(collider.shape.mesh->smooth_angle);
+      archive.list(collider.shape.mesh->materials);
       return visit_each(archive, collider.shape.mesh->triangles, 3 * sizeof(std::uint32_t),
                         [&](const auto& triangle) { archive.values(triangle.data(), 3); });
     default: {
@@ -111,6 +112,7 @@ void write_geometry(Archive& archive, const CheckedCollider& collider) {
       archive.value(field.spacing_y);
       archive.value(field.smooth);
       archive.list(field.heights);
+      archive.list(field.materials);
     }
   }
 }
@@ -155,12 +157,14 @@ ReadGeometry read_geometry(Archive& archive) {
     case collision::ShapeKind::Mesh: {
       std::vector<Vector3> vertices;
       std::vector<std::array<std::uint32_t, 3>> triangles;
+      std::vector<std::uint8_t> materials;
       double smooth_angle = 0;
       visit_vectors(archive, vertices);
       archive.value(smooth_angle);
+      archive.list(materials);
       visit_each(archive, triangles, 3 * sizeof(std::uint32_t),
                  [&](auto& triangle) { archive.values(triangle.data(), 3); });
-      take_built(collision::build_triangle_mesh(vertices, triangles, smooth_angle));
+      take_built(collision::build_triangle_mesh(vertices, triangles, smooth_angle, std::move(materials)));
       break;
     }
     case collision::ShapeKind::HeightField: {
@@ -171,8 +175,9 @@ ReadGeometry read_geometry(Archive& archive) {
       archive.value(field.spacing_y);
       archive.value(field.smooth);
       archive.list(field.heights);
+      archive.list(field.materials);
       take_built(collision::build_height_field(field.columns, field.rows, field.spacing_x, field.spacing_y,
-                                               std::move(field.heights), field.smooth));
+                                               std::move(field.heights), field.smooth, std::move(field.materials)));
       break;
     }
     default:

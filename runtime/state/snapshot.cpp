@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Header {
-  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 20};
+  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 21};
   std::uint64_t length = 0;    // bytes that follow the header
   std::uint64_t checksum = 0;  // of these
 };

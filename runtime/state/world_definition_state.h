@@ -10,6 +10,7 @@
 
 #include "state/constants_fault.h"
 #include "state/filter_state.h"
+#include "state/geometry_state.h"
 #include "state/joint_state.h"
 #include "state/world_definition.h"
 
@@ -49,6 +50,7 @@ void visit_constants(Archive& archive, Constants& body) {
   archive.value(body.notices_sensors);
   visit_optional(archive, body.contact_event_force, [&](auto& force) { archive.value(force); });
   visit_material(archive, body.material);
+  visit_each(archive, body.materials, 32, [&](auto& material) { visit_material(archive, material); });
   archive.value(body.locks);
   archive.check(body.locks <= (body.type == BodyType::Dynamic ? solver::all_locks : 0),
                 "a body with locks that there are none of");

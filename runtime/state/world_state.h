@@ -308,6 +308,9 @@ class WorldState {
       }
     }
     visit_contact(archive_, contact, manifold, rolling);
+    if constexpr (reads) {
+      if (world_.contents.own_materials > 0) mix_materials(world_, slot);
+    }
   }
 
  private:

@@ -131,9 +131,7 @@ namespace {
 void undo_modified(Stores& world) {
   for (const auto& [slot, pair] : world.choices.modified) {
     if (world.cache.contacts[slot].pair != pair || !world.cache.pairs.contains(pair)) continue;
-    const collision::ContactCache::Start start = contact_start(world, pair);
-    world.cache.manifolds[slot].friction = start.friction;
-    world.cache.manifolds[slot].restitution = start.restitution;
+    mix_materials(world, slot);
   }
   world.choices.modified.clear();
 }
@@ -256,6 +254,20 @@ void ContactPhase::list_on(const Stores& world) {
   }
 }
 
+// Gives the contacts of surfaces the material of the triangles that they have now.
+void ContactPhase::mix_surfaces(Stores& world) {
+  if (world.contents.own_materials == 0 || world.contents.surfaces == 0) return;
+  for (const solver::TouchingPair& touching : update_.touching) {
+    const collision::Contact& contact = world.cache.contacts[touching.slot];
+    const collision::ContactManifold& manifold = world.cache.manifolds[touching.slot];
+    const bool rubbed = manifold.friction > 0, bounced = manifold.restitution > 0;
+    mix_materials(world, touching.slot);
+    if (rubbed == (manifold.friction > 0) && bounced == (manifold.restitution > 0)) continue;
+    const int kind = 4 + 2 * (manifold.friction > 0) + (manifold.restitution > 0);
+    other_kinds_.push_back({{contact.pair, contact.part}, static_cast<std::uint8_t>(kind)});
+  }
+}
+
 void ContactPhase::update(Stores& world, const StepContext& step) {
   undo_modified(world);
   note_reaches(world, step.arena);
@@ -267,6 +279,7 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   std::swap(other_kinds_, other_kinds_before_);
   other_kinds_.clear();
   modified_ = {};
+  mix_surfaces(world);
   leave_out_inner_edges(world, step.narrowphase_kernels);
   if (step.rules != nullptr && step.rules->modifies()) {
     modify(world, step, update_.touching);

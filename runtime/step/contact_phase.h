@@ -68,6 +68,7 @@ class ContactPhase {
   void modify(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> contacts);
   void change(Stores& world, std::uint32_t slot, const ModifiedContact& modified);
   void list_on(const Stores& world);
+  void mix_surfaces(Stores& world);
 
   collision::ContactUpdate update_;
   collision::InnerEdges inner_edges_;
@@ -79,7 +80,7 @@ class ContactPhase {
   using Part = std::pair<collision::Pair, std::uint8_t>;
   jobs::CompactArray<Part> parts_off_, parts_off_before_;  // in order
   // By part, contacts that have friction or restitution where their materials have none, or the reverse, with a bit
-  // each.
+  // each. So have, with a third bit, those that came to triangles of such a material in this step.
   using Kind = std::pair<Part, std::uint8_t>;
   jobs::CompactArray<Kind> other_kinds_, other_kinds_before_;  // in order
   bool off_changed_ = false;

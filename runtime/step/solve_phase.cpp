@@ -218,9 +218,9 @@ namespace {
 void note_resistance(Stores& world, const solver::Islands& islands) {
   world.surface_contacts.resize(world.cache.manifolds.size());
   for (const solver::TouchingPair& pair : islands.contacts(0, islands.count())) {
-    const collision::Pair colliders = world.cache.contacts[pair.slot].pair;
-    const Material& a = material_of(world, colliders.first);
-    const Material& b = material_of(world, colliders.second);
+    const collision::Contact& of = world.cache.contacts[pair.slot];
+    const Material& a = material_of(world, of.pair.first, of.material);
+    const Material& b = material_of(world, of.pair.second, of.material);
     solver::SurfaceContact& contact = world.surface_contacts[pair.slot];
     contact.rolling_friction = static_cast<float>(std::max(a.rolling_friction, b.rolling_friction));
     contact.torsional_friction = static_cast<float>(std::max(a.torsional_friction, b.torsional_friction));

@@ -240,6 +240,7 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
               .velocity = world.bodies.velocity(body),
               .angular_velocity = world.bodies.angular_velocity(body),
               .material = constants.material,
+              .materials = constants.materials,
               .gravity_scale = constants.gravity_scale,
               .linear_damping = constants.linear_damping,
               .angular_damping = constants.angular_damping,
@@ -345,11 +346,7 @@ void exchange_constants(Stores& world, std::uint32_t body, const BodyConstants& 
 
 void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants) {
   exchange_constants(world, body, constants);
-  world.cache.for_each_contact_of(body, [&](std::uint32_t slot) {
-    const collision::ContactCache::Start start = contact_start(world, world.cache.contacts[slot].pair);
-    world.cache.manifolds[slot].friction = start.friction;
-    world.cache.manifolds[slot].restitution = start.restitution;
-  });
+  world.cache.for_each_contact_of(body, [&](std::uint32_t slot) { mix_materials(world, slot); });
   wake_touching(world, body);
   world.sleeping.wake(body);
   world.changes.islands = true;

@@ -305,6 +305,20 @@ void check_sleep_and_speeds(const BodyDef& def) {
   }
 }
 
+std::span<const std::uint8_t> material_numbers(const collision::Shape& shape) {
+  if (shape.kind == collision::ShapeKind::Mesh) return shape.mesh->materials;
+  if (shape.kind == collision::ShapeKind::HeightField) return shape.field->materials;
+  return {};
+}
+
+void check_material_numbers(const std::string& field, const BodyConstants& body) {
+  for (const std::uint8_t number : material_numbers(body.colliders.front().shape)) {
+    if (number <= body.materials.size()) continue;
+    throw Error(field + ": a triangle or cell of material " + std::to_string(number) + "; expected at most " +
+                std::to_string(body.materials.size()) + ", as there are in BodyDef.materials");
+  }
+}
+
 }  // namespace
 
 CheckedBody check(const BodyDef& def) {
@@ -318,6 +332,7 @@ CheckedBody check(const BodyDef& def) {
   if (def.contact_event_force) check_not_negative("BodyDef.contact_event_force", *def.contact_event_force);
   constants.contact_event_force = def.contact_event_force;
   constants.material = def.material;
+  constants.materials = def.materials;
   if (def.type == BodyType::Dynamic) constants.locks = bits_of(def.locks);
   check_sleep_and_speeds(def);
   body.awake = def.awake;
@@ -350,6 +365,10 @@ CheckedBody check(const BodyDef& def) {
     }
   }
   check("BodyDef.material", def.material);
+  for (std::size_t i = 0; i < def.materials.size(); ++i) {
+    check(("BodyDef.materials[" + std::to_string(i) + "]").c_str(), def.materials[i]);
+  }
+  check_material_numbers("BodyDef.shape", constants);
   check_finite("BodyDef.surface_velocity", def.surface_velocity);
   check_number("BodyDef.gravity_scale", def.gravity_scale);
   check_not_negative("BodyDef.linear_damping", def.linear_damping);
@@ -426,6 +445,7 @@ Shape shape_of(const BodyConstants& body) {
 void give_shape(const char* field, const Shape& shape, BodyConstants& body) {
   body.colliders = checked_colliders(field, shape);
   check_type(field, body);
+  check_material_numbers(field, body);
   if (body.type != BodyType::Dynamic) return;
   MassProperties properties = mass_properties(shape);
   const double factor = 1 / (body.inverse_mass * properties.mass);
@@ -444,7 +464,8 @@ void give_mass(const char* field, double mass, BodyConstants& body) {
 }
 
 bool has_own_materials(const BodyConstants& body) {
-  return std::ranges::any_of(body.colliders, [](const CheckedCollider& c) { return c.material.has_value(); });
+  return !body.materials.empty() ||
+         std::ranges::any_of(body.colliders, [](const CheckedCollider& c) { return c.material.has_value(); });
 }
 
 bool has_own_filters(const BodyConstants& body) {

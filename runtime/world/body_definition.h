@@ -38,7 +38,8 @@ struct BodyConstants {
   bool notices_sensors = false;
   std::optional<double> contact_event_force = {};  // N
   Material material = {};
-  std::uint8_t locks = 0;  // see solver/integrate/motion_locks.h; 0 unless dynamic
+  std::vector<Material> materials = {};  // of numbers from 1 on, of a surface's triangles
+  std::uint8_t locks = 0;                // see solver/integrate/motion_locks.h; 0 unless dynamic
   // Dynamic bodies alone have these three.
   bool may_sleep = true;
   std::optional<double> max_speed = {};          // m/s
@@ -75,6 +76,7 @@ struct CheckedBody {
 template <typename Visit>
 void for_each_material(const BodyConstants& body, const Visit& visit) {
   for (const CheckedCollider& collider : body.colliders) visit(collider.material ? *collider.material : body.material);
+  for (const Material& material : body.materials) visit(material);
 }
 bool has_own_materials(const BodyConstants& body);
 bool has_own_filters(const BodyConstants& body);

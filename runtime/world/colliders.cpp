@@ -39,11 +39,14 @@ void note_size(Stores& world, std::uint32_t body) {
   world.bodies.radius[body] = world.aabbs.set_limits(body, sweep, motions(world));
 }
 
-const Material& material_of(const Stores& world, std::uint32_t collider) {
+const Material& material_of(const Stores& world, std::uint32_t collider, std::uint8_t number) {
   const std::uint32_t body = world.colliders.body[collider];
   ATL_ASSERT(body != collision::ColliderTable::none, collider);
   if (world.contents.own_materials > 0) {
-    const CheckedCollider& part = world.records.constants[body]->colliders[world.colliders.child[collider]];
+    const BodyConstants& constants = *world.records.constants[body];
+    const bool has_numbers = number > 0 && collision::is_surface(world.colliders.shape[collider].kind);
+    if (has_numbers && number <= constants.materials.size()) return constants.materials[number - 1u];
+    const CheckedCollider& part = constants.colliders[world.colliders.child[collider]];
     if (part.material) return *part.material;
   }
   return world.records.material[body];
@@ -146,12 +149,12 @@ double restitution_of(const Material& a, const Material& b) {
 
 }  // namespace
 
-collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair) {
+collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair, std::uint8_t material) {
   const std::uint32_t first = world.colliders.body[pair.first];
   const std::uint32_t second = world.colliders.body[pair.second];
   ATL_ASSERT(first != second, pair.first, pair.second, first);
-  const Material& a = material_of(world, pair.first);
-  const Material& b = material_of(world, pair.second);
+  const Material& a = material_of(world, pair.first, material);
+  const Material& b = material_of(world, pair.second, material);
   const collision::Shape& shape_first = world.colliders.shape[pair.first];
   const collision::Shape& shape_second = world.colliders.shape[pair.second];
   const bool surface = collision::is_surface(shape_first.kind) || collision::is_surface(shape_second.kind);
@@ -163,6 +166,13 @@ collision::ContactCache::Start contact_start(const Stores& world, collision::Pai
           .has_local_offset =
               world.colliders.has_local_offset[pair.first] != 0 || world.colliders.has_local_offset[pair.second] != 0,
           .parts = surface ? collision::max_surface_manifolds : 1};
+}
+
+void mix_materials(Stores& world, std::uint32_t slot) {
+  const collision::Contact& contact = world.cache.contacts[slot];
+  const collision::ContactCache::Start start = contact_start(world, contact.pair, contact.material);
+  world.cache.manifolds[slot].friction = start.friction;
+  world.cache.manifolds[slot].restitution = start.restitution;
 }
 
 }  // namespace atl

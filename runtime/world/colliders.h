@@ -20,7 +20,7 @@ void remove_colliders(Stores& world, std::uint32_t body);
 void note_size(Stores& world, std::uint32_t body);
 
 /// A collider's, or its body's where it has none of its own.
-const Material& material_of(const Stores& world, std::uint32_t collider);
+const Material& material_of(const Stores& world, std::uint32_t collider, std::uint8_t number = 0);
 /// The filter of a collider, or its body's where it has none of its own.
 collision::Filter own_filter_of(const Stores& world, std::uint32_t collider);
 /// The same, as the broadphase wants it: nothing meets a sensor there.
@@ -37,6 +37,8 @@ void add_box(Stores& world, std::uint32_t collider, const collision::Aabb& box);
 void move_proxies(Stores& world, std::uint32_t body);
 
 /// The initial data of a contact between two colliders.
-collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair);
+collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair, std::uint8_t material = 0);
+/// Gives a contact friction and restitution of the materials that touch in it.
+void mix_materials(Stores& world, std::uint32_t slot);
 
 }  // namespace atl

@@ -30,15 +30,17 @@ auto hull_of(std::span<const Vector3> points) {
   return collision::build_hull(points);
 }
 
-auto mesh_of(std::span<const Vector3> vertices, std::span<const TriangleMesh::Indices> triangles, double smooth_angle) {
+auto mesh_of(std::span<const Vector3> vertices, std::span<const TriangleMesh::Indices> triangles, double smooth_angle,
+             std::vector<std::uint8_t>&& materials) {
   if constexpr (!with_meshes) throw_left_out("a TriangleMesh is made", "these", "MESHES");
-  return collision::build_triangle_mesh(vertices, triangles, smooth_angle);
+  return collision::build_triangle_mesh(vertices, triangles, smooth_angle, std::move(materials));
 }
 
 auto field_of(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
-              std::vector<double>&& heights, bool smooth) {
+              std::vector<double>&& heights, bool smooth, std::vector<std::uint8_t>&& materials) {
   if constexpr (!with_meshes) throw_left_out("a HeightField is made", "these", "MESHES");
-  return collision::build_height_field(columns, rows, spacing_x, spacing_y, std::move(heights), smooth);
+  return collision::build_height_field(columns, rows, spacing_x, spacing_y, std::move(heights), smooth,
+                                       std::move(materials));
 }
 
 void check_factors(const char* what, const Vector3& factors) {
@@ -86,8 +88,9 @@ bool ConvexHull::simplified() const { return hull_->simplified; }
 double ConvexHull::volume() const { return hull_->mass.volume; }
 Vector3 ConvexHull::centre_of_mass() const { return hull_->mass.centre; }
 
-TriangleMesh::TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles, double smooth_angle)
-    : mesh_(built("TriangleMesh", mesh_of(vertices, triangles, smooth_angle))) {}
+TriangleMesh::TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles, double smooth_angle,
+                           std::vector<std::uint8_t> materials)
+    : mesh_(built("TriangleMesh", mesh_of(vertices, triangles, smooth_angle, std::move(materials)))) {}
 
 TriangleMesh TriangleMesh::scaled(const Vector3& factors) const {
   check_factors("TriangleMesh::scaled", factors);
@@ -96,8 +99,8 @@ TriangleMesh TriangleMesh::scaled(const Vector3& factors) const {
     for (Indices& corners : triangles) std::swap(corners[1], corners[2]);
   }
   TriangleMesh copy = *this;
-  copy.mesh_ =
-      built("TriangleMesh::scaled", mesh_of(stretched(mesh_->vertices, factors), triangles, mesh_->smooth_angle));
+  copy.mesh_ = built("TriangleMesh::scaled", mesh_of(stretched(mesh_->vertices, factors), triangles,
+                                                     mesh_->smooth_angle, std::vector(mesh_->materials)));
   return copy;
 }
 
@@ -105,10 +108,12 @@ std::span<const Vector3> TriangleMesh::vertices() const { return mesh_->vertices
 std::span<const TriangleMesh::Indices> TriangleMesh::triangles() const { return mesh_->triangles; }
 bool TriangleMesh::closed() const { return mesh_->closed; }
 double TriangleMesh::smooth_angle() const { return mesh_->smooth_angle; }
+std::span<const std::uint8_t> TriangleMesh::materials() const { return mesh_->materials; }
 
 HeightField::HeightField(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
-                         std::vector<double> heights, bool smooth)
-    : field_(built("HeightField", field_of(columns, rows, spacing_x, spacing_y, std::move(heights), smooth))) {}
+                         std::vector<double> heights, bool smooth, std::vector<std::uint8_t> materials)
+    : field_(built("HeightField",
+                   field_of(columns, rows, spacing_x, spacing_y, std::move(heights), smooth, std::move(materials)))) {}
 
 std::uint32_t HeightField::columns() const { return field_->columns; }
 std::uint32_t HeightField::rows() const { return field_->rows; }
@@ -116,5 +121,6 @@ double HeightField::spacing_x() const { return field_->spacing_x; }
 double HeightField::spacing_y() const { return field_->spacing_y; }
 std::span<const double> HeightField::heights() const { return field_->heights; }
 bool HeightField::smooth() const { return field_->smooth; }
+std::span<const std::uint8_t> HeightField::materials() const { return field_->materials; }
 
 }  // namespace atl

@@ -114,11 +114,11 @@ def test_damaged_pickles_are_refused() -> None:
     for bad in (b"", state[:-1], state + b" ", state[:40] + b"\xff" + state[41:]):
         with pytest.raises(atoll.Error, match="ConvexHull::from_bytes: found"):
             atoll.ConvexHull.__new__(atoll.ConvexHull).__setstate__(bad)
-    vertices, triangles, angle = bowl().__getstate__()
+    vertices, triangles, angle, materials = bowl().__getstate__()
     triangles = triangles.copy()
     triangles[5, 1] = 1000
     with pytest.raises(atoll.Error, match="triangle 5"):
-        atoll.TriangleMesh.__new__(atoll.TriangleMesh).__setstate__((vertices, triangles, angle))
+        atoll.TriangleMesh.__new__(atoll.TriangleMesh).__setstate__((vertices, triangles, angle, materials))
 
 
 def test_bodies_share_their_geometry_in_a_pickle_and_out_of_it() -> None:

@@ -22,6 +22,7 @@ void store_features(Contact& contact, const Manifold& manifold, const Pose& inci
   contact.reference_is_second = manifold.reference_is_second;
   contact.axis = manifold.axis;
   contact.count = static_cast<std::uint8_t>(manifold.count);
+  contact.material = manifold.material;
   contact.margin = static_cast<float>(margin);
   contact.set_tolerance(tolerance);
   contact.gap = 0;

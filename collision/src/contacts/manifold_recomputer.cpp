@@ -104,7 +104,9 @@ std::array<int, surface_parts> assign_to_parts(const SurfaceManifolds& found, co
         if (manifold_of[part] >= 0) continue;
         const Contact& old = old_part(part);
         const Vector3 normal(old.normal[0], old.normal[1], old.normal[2]);
-        const double cosine = old.count > 0 ? normal.dot(found.manifolds[static_cast<std::size_t>(m)].normal) : -1.0;
+        const Manifold& manifold = found.manifolds[static_cast<std::size_t>(m)];
+        const bool is_like = old.count > 0 && old.material == manifold.material;
+        const double cosine = is_like ? normal.dot(manifold.normal) : -1.0;
         if (cosine < best || (chosen != surface_parts && cosine == best)) continue;
         best = cosine;
         chosen = part;

@@ -62,12 +62,12 @@ void SurfaceClusters::Cluster::update_deepest() {
   for (int i = 0; i < count; ++i) deepest = std::min(deepest, points[static_cast<std::size_t>(i)].separation);
 }
 
-SurfaceClusters::Cluster* SurfaceClusters::cluster_for(const Vector3& normal, double separation) {
+SurfaceClusters::Cluster* SurfaceClusters::cluster_for(const TriangleContact& contact, double separation) {
   Cluster* cluster = nullptr;
   double best = same_normal;
   for (int i = 0; i < count_; ++i) {
-    const double cosine = at(i).normal.dot(normal);
-    if (cosine <= best) continue;
+    const double cosine = at(i).normal.dot(contact.normal);
+    if (cosine <= best || at(i).material != contact.material) continue;
     best = cosine;
     cluster = &at(i);
   }
@@ -79,8 +79,9 @@ SurfaceClusters::Cluster* SurfaceClusters::cluster_for(const Vector3& normal, do
                                [](const Cluster& a, const Cluster& b) { return a.deepest < b.deepest; });
     if (separation >= cluster->deepest) return nullptr;
   }
-  cluster->normal = normal;
-  cluster->height = solid_.height(normal, Vector3::Zero());
+  cluster->normal = contact.normal;
+  cluster->height = solid_.height(contact.normal, Vector3::Zero());
+  cluster->material = contact.material;
   cluster->deepest = INFINITY;
   cluster->count = 0;
   cluster->inner_count = 0;
@@ -93,7 +94,7 @@ void SurfaceClusters::add(const TriangleContact& contact) {
   for (int i = 0; i < contact.count; ++i) {
     deepest = std::min(deepest, contact.points[static_cast<std::size_t>(i)].separation);
   }
-  Cluster* cluster = cluster_for(contact.normal, deepest);
+  Cluster* cluster = cluster_for(contact, deepest);
   if (cluster == nullptr) return;
   for (int i = 0; i < contact.count; ++i) {
     Manifold::Point point = contact.points[static_cast<std::size_t>(i)];
@@ -206,6 +207,7 @@ void SurfaceClusters::finish(SurfaceManifolds& result) {
     ATL_ASSERT(at(i).count > 0 && at(i).count <= max_candidates, i, at(i).count);
     manifold.reference_is_second = true;
     manifold.normal = at(i).normal;
+    manifold.material = at(i).material;
     manifold.axis = 0;
     reduce_points(at(i).points.data(), at(i).count, manifold);
   }

@@ -24,6 +24,7 @@ class SurfaceClusters {
     Vector3 normal;
     double height;   // m, of the solid along the normal, from the surface's origin
     double deepest;  // m
+    std::uint8_t material;
     int count = 0;
     int inner_count = 0;
     std::array<Manifold::Point, max_candidates> points;
@@ -35,7 +36,7 @@ class SurfaceClusters {
     void update_deepest();
   };
 
-  Cluster* cluster_for(const Vector3& normal, double separation);
+  Cluster* cluster_for(const TriangleContact& contact, double separation);
   void drop_redundant(Cluster& cluster);
   bool is_freed_by(const Manifold::Point& point, const Cluster& cluster, const Cluster& other) const;
   void merge_to_fit();

@@ -46,6 +46,10 @@ void complete(const Shape& surface, std::uint32_t number, Triangle& face) {
   }
 }
 
+std::uint8_t material_of(const Shape& surface, std::uint32_t number) {
+  return surface.kind == ShapeKind::Mesh ? surface.mesh->material(number) : surface.field->material(number);
+}
+
 Triangle triangle_of(const Shape& surface, std::uint32_t number) {
   return surface.kind == ShapeKind::Mesh ? surface.mesh->triangle(number) : surface.field->triangle(number);
 }
@@ -166,9 +170,9 @@ struct SmoothPlace {
   }
 };
 
-// In place of all that a ball's contacts say of the sheet that looks along a normal, one to be filled in; null if there
-// is no room.
-Manifold* replace_sheet(const Vector3& normal, SurfaceManifolds& result) {
+// In place of all that a ball's contacts say of the sheet that looks along a normal, one to be filled in, of the
+// material of the nearest triangle; null if there is no room.
+Manifold* replace_sheet(const Vector3& normal, std::uint8_t material, SurfaceManifolds& result) {
   const auto other_end =
       std::remove_if(result.manifolds.begin(), result.manifolds.begin() + result.count,
                      [&](const Manifold& manifold) { return manifold.normal.dot(normal) > same_sheet; });
@@ -177,6 +181,7 @@ Manifold* replace_sheet(const Vector3& normal, SurfaceManifolds& result) {
   Manifold& manifold = result.manifolds[static_cast<std::size_t>(result.count++)];
   manifold = {};
   manifold.reference_is_second = true;
+  manifold.material = material;
   return &manifold;
 }
 
@@ -187,7 +192,7 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
   const double reach = ball.radius + margin;
   if (!(nearest.distance <= reach)) return;
   const SmoothPlace start(surface, nearest, centre);
-  Manifold* const replaced = replace_sheet(start.normal, result);
+  Manifold* const replaced = replace_sheet(start.normal, material_of(surface, nearest.number), result);
   if (replaced == nullptr) return;
   Manifold& manifold = *replaced;
   const Vector3 along = shift - shift.dot(start.normal) * start.normal;
@@ -208,7 +213,7 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
 // Gives a ball one manifold for the facets that rise against it within the step. It takes the ball from the facet that
 // it is on to where it touches the next one, as a surface does that bends evenly. A facet that is met only once the
 // ball is in it would lift the ball by pushing it out, and that is energy from nowhere.
-void follow_facets(const Shape& ball, const Shape&, const Vector3& centre, double margin, const Vector3& shift,
+void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centre, double margin, const Vector3& shift,
                    const Nearest& start, const NearBall& near, SurfaceManifolds& result) {
   const double reach = ball.radius + margin;
   if (!(start.distance <= reach) || !(start.distance > 0)) return;
@@ -218,7 +223,7 @@ void follow_facets(const Shape& ball, const Shape&, const Vector3& centre, doubl
   const Nearest end = near.nearest_to(centre + along, reach + most_bend * length);
   const double rise = start.distance - end.distance;  // minus infinity where there is none
   if (!(rise > least_bend * length) || rise > most_bend * length) return;
-  Manifold* const manifold = replace_sheet(normal, result);
+  Manifold* const manifold = replace_sheet(normal, material_of(surface, start.number), result);
   if (manifold == nullptr) return;
   manifold->normal = (normal - rise / (length * length) * along).normalized();
   manifold->rise = rise;
@@ -307,6 +312,7 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
         if (!comes_near(placed, triangle, margin, height)) return;
         complete(surface, number, triangle);
         touch_triangle(placed, triangle, height, number, margin, contact);
+        contact.material = material_of(surface, number);
         if (contact.part == TriangleAxis::Part::Vertex && contact.count > 0 &&
             !can_push_at_vertex(surface, triangle.vertices[static_cast<std::size_t>(contact.vertex)], contact.normal)) {
           return;

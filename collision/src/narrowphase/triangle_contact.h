@@ -12,7 +12,8 @@ struct TriangleContact {
 
   Vector3 normal = Vector3::UnitZ();  ///< unit, out of the front
   TriangleAxis::Part part = TriangleAxis::Part::Face;
-  int vertex = 0;  ///< of the triangle, where a vertex has the contact
+  int vertex = 0;             ///< of the triangle, where a vertex has the contact
+  std::uint8_t material = 0;  ///< the triangle's
   int count = 0;
   std::array<Manifold::Point, capacity> points;
   /// Bit i: point i lies where the solid's feature crosses a flat edge, so it doesn't end there: the

@@ -140,13 +140,15 @@ std::uint64_t content_of(const HeightField& field) {
   hash.add(field.spacing_y);
   hash.add_all(field.heights);
   if (field.smooth) hash.add(std::uint64_t{1});
+  for (const std::uint8_t number : field.materials) hash.add(std::uint64_t{number});
   return hash.value();
 }
 
 }  // namespace
 
 std::variant<HeightField, std::string> build_height_field(std::uint32_t columns, std::uint32_t rows, double spacing_x,
-                                                          double spacing_y, std::vector<double> heights, bool smooth) {
+                                                          double spacing_y, std::vector<double> heights, bool smooth,
+                                                          std::vector<std::uint8_t> materials) {
   if (columns < 2 || rows < 2) {
     return text("found ", columns, " columns and ", rows, " rows of samples, expected at least 2 of each");
   }
@@ -159,6 +161,10 @@ std::variant<HeightField, std::string> build_height_field(std::uint32_t columns,
   const std::size_t count = std::size_t{columns} * rows;
   if (heights.size() != count) {
     return text("found ", heights.size(), " heights, expected columns * rows = ", columns, " * ", rows, " = ", count);
+  }
+  if (const std::size_t cells = std::size_t{columns - 1} * (rows - 1);
+      !materials.empty() && materials.size() != cells) {
+    return text("found numbers of materials for ", materials.size(), " cells, expected ", cells, ", or none");
   }
   HeightField field;
   field.lowest = std::numeric_limits<double>::infinity();
@@ -182,6 +188,7 @@ std::variant<HeightField, std::string> build_height_field(std::uint32_t columns,
   field.spacing_y = spacing_y;
   field.heights = std::move(heights);
   field.smooth = smooth;
+  field.materials = std::move(materials);
   const double farthest_up = std::max(std::abs(field.lowest), std::abs(field.highest));
   field.bounding_radius = Vector3((columns - 1) * spacing_x, (rows - 1) * spacing_y, farthest_up).norm();
   field.content = content_of(field);
@@ -201,7 +208,8 @@ std::variant<HeightField, std::string> with_heights(const HeightField& field, st
     std::copy_n(heights.begin() + static_cast<std::ptrdiff_t>(i * columns), columns,
                 all.begin() + static_cast<std::ptrdiff_t>((row + i) * field.columns + column));
   }
-  return build_height_field(field.columns, field.rows, field.spacing_x, field.spacing_y, std::move(all), field.smooth);
+  return build_height_field(field.columns, field.rows, field.spacing_x, field.spacing_y, std::move(all), field.smooth,
+                            field.materials);
 }
 
 }  // namespace atl::collision

@@ -230,6 +230,7 @@ std::uint64_t content_of(const TriangleMesh& mesh) {
     for (const std::uint32_t corner : corners) hash.add(std::uint64_t{corner});
   }
   if (mesh.smooth_angle > 0) hash.add(mesh.smooth_angle);
+  for (const std::uint8_t number : mesh.materials) hash.add(std::uint64_t{number});
   return hash.value();
 }
 
@@ -259,13 +260,18 @@ void TriangleMesh::complete(std::uint32_t index, Triangle& face) const {
 }
 
 std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vector3> vertices,
-                                                            std::span<const Indices> triangles, double smooth_angle) {
+                                                            std::span<const Indices> triangles, double smooth_angle,
+                                                            std::vector<std::uint8_t> materials) {
   if (!(smooth_angle >= 0 && smooth_angle < std::numbers::pi)) {
     return text("found a smooth angle of ", smooth_angle, ", expected one in [0, pi) rad");
   }
   if (triangles.empty()) return text("found no triangle, expected at least one");
   if (triangles.size() >= TriangleMesh::no_triangle / 2) {
     return text("found ", triangles.size(), " triangles, expected fewer than 2^31");
+  }
+  if (!materials.empty() && materials.size() != triangles.size()) {
+    return text("found numbers of materials for ", materials.size(), " triangles, expected ", triangles.size(),
+                ", or none");
   }
   if (std::string problem = check_vertices(vertices); !problem.empty()) return problem;
   TriangleMesh mesh;
@@ -278,6 +284,7 @@ std::variant<TriangleMesh, std::string> build_triangle_mesh(std::span<const Vect
   join_by_place(mesh);
   find_convex_edges(mesh);
   mesh.smooth_angle = smooth_angle;
+  mesh.materials = std::move(materials);
   find_corner_normals(mesh);
   measure(mesh);
   ATL_ASSERT(mesh.normals.size() == triangles.size() && mesh.convex_edges.size() == triangles.size(),

@@ -60,6 +60,10 @@ struct BodyDef {
   /// m, body frame: where its weight is, whatever its shape. Needs inertia. The shape's own, if left out.
   std::optional<Vector3> centre_of_mass = {};
   Material material = {};
+  /// Materials of the triangles of a TriangleMesh, or cells of a HeightField, that have numbers: number k > 0 stands
+  /// for materials[k - 1]. A contact has triangles of one material, so what lies across a border has a contact on each
+  /// side.
+  std::vector<Material> materials = {};
   /// m/s, body frame: how fast the surface runs along the body, as a conveyor's belt. Friction sees its part in the
   /// tangent plane of a contact; the body itself stays.
   Vector3 surface_velocity = Vector3::Zero();

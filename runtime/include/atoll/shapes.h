@@ -114,13 +114,18 @@ class TriangleMesh {
   /// With a `smooth_angle` (rad, in [0, pi)) the triangles stand for a smooth surface, but for edges that bend by as
   /// much: balls slide and roll on that, with normals that go over from corner to corner, so that the energy of what
   /// rolls through a bowl is kept. Other shapes touch the triangles as they are.
-  TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles, double smooth_angle = 0);
+  ///
+  /// `materials` has a number for each triangle, or is empty: 0 stands for BodyDef::material, others for
+  /// BodyDef::materials.
+  TriangleMesh(std::span<const Vector3> vertices, std::span<const Indices> triangles, double smooth_angle = 0,
+               std::vector<std::uint8_t> materials = {});
   TriangleMesh scaled(const Vector3& factors) const;  ///< as ConvexHull's; fronts stay outside when mirrored
 
   std::span<const Vector3> vertices() const;
   std::span<const Indices> triangles() const;
   bool closed() const;          ///< every edge has two triangles
   double smooth_angle() const;  ///< rad
+  std::span<const std::uint8_t> materials() const;
 
   // For Atoll's own use.
   explicit TriangleMesh(std::shared_ptr<const collision::TriangleMesh> data) : mesh_(std::move(data)) {}
@@ -137,10 +142,11 @@ class HeightField {
   /// heights[row * columns + column] (m) is that at x = column * spacing_x, y = row * spacing_y; columns and
   /// rows >= 2, spacings > 0, all finite, else Error. A cell's diagonal runs from its lower left to its upper
   /// right sample. A height of NaN is a hole: the triangles at that sample are not there, and things fall through and
-  /// may go below the others. World::set_heights() changes heights later. With `smooth`, the samples stand for a smooth surface, as of a TriangleMesh with a smooth angle, and
-  /// without creases.
+  /// may go below the others. World::set_heights() changes heights later. With `smooth`, the samples stand for a smooth
+  /// surface, as of a TriangleMesh with a smooth angle, and without creases. `materials` has a number for each cell,
+  /// row after row, or is empty, as of a TriangleMesh.
   HeightField(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
-              std::vector<double> heights, bool smooth = false);
+              std::vector<double> heights, bool smooth = false, std::vector<std::uint8_t> materials = {});
 
   std::uint32_t columns() const;
   std::uint32_t rows() const;
@@ -148,6 +154,7 @@ class HeightField {
   double spacing_y() const;
   std::span<const double> heights() const;
   bool smooth() const;
+  std::span<const std::uint8_t> materials() const;
 
   // For Atoll's own use.
   explicit HeightField(std::shared_ptr<const collision::HeightField> data) : field_(std::move(data)) {}

@@ -40,8 +40,15 @@ void bind_copies(nb::class_<Geometry>& type) {
           "__deepcopy__", [](nb::object self, const nb::dict&) { return self; }, nb::sig(deep.c_str()));
 }
 
-#define ATOLL_SURFACE "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint32], float"
-#define ATOLL_HEIGHTS "numpy.typing.NDArray[numpy.float64], float, float, bool"
+#define ATOLL_SURFACE \
+  "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint32], float, collections.abc.Sequence[int]"
+#define ATOLL_HEIGHTS "numpy.typing.NDArray[numpy.float64], float, float, bool, collections.abc.Sequence[int]"
+
+using Numbers = std::vector<std::uint8_t>;
+template <typename Surface>
+Numbers materials_of(const Surface& self) {
+  return {self.materials().begin(), self.materials().end()};
+}
 
 void bind_solids(nb::module_& module) {
   nb::class_<Box> box(module, "Box", "Centred at the body's origin, edges along its axes.");
@@ -122,15 +129,18 @@ void bind_geometry(nb::module_& module) {
       "share the geometry.",
       nb::is_weak_referenceable());
   bind_copies(mesh);
-  const auto make_mesh = [](TriangleMesh* self, const Rows<3>& vertices, const Indices& triangles,
-                            double smooth_angle) {
+  const auto make_mesh = [](TriangleMesh* self, const Rows<3>& vertices, const Indices& triangles, double smooth_angle,
+                            const Numbers& materials) {
     const auto* first = reinterpret_cast<const TriangleMesh::Indices*>(triangles.data());
-    new (self) TriangleMesh(points_of(vertices), {first, triangles.shape(0)}, smooth_angle);
+    new (self) TriangleMesh(points_of(vertices), {first, triangles.shape(0)}, smooth_angle, materials);
   };
   mesh.def(
           "__init__", make_mesh, nb::arg("vertices"), nb::arg("triangles"), nb::arg("smooth_angle") = 0.0,
+          nb::arg("materials") = Numbers(),
           "vertices: m, shape (n, 3). triangles: indices into them, shape (m, 3). smooth_angle: rad, in [0, pi): edges "
-          "that bend by less are none to what rolls. Raises Error, naming the triangle, on an index out of range, a "
+          "that bend by less are none to what rolls. materials: a number for each triangle, 0 for BodyDef.material, k "
+          "for "
+          "BodyDef.materials[k - 1]; or none. Raises Error, naming the triangle, on an index out of range, a "
           "triangle without area, or an edge of more than two triangles.")
       .def("scaled", &TriangleMesh::scaled, nb::arg("factors"))
       .def_prop_ro(
@@ -144,15 +154,17 @@ void bind_geometry(nb::module_& module) {
           "shape (m, 3)", nb::sig("def triangles(self) -> numpy.typing.NDArray[numpy.uint32]"))
       .def_prop_ro("closed", &TriangleMesh::closed, "Whether every edge has two triangles.")
       .def_prop_ro("smooth_angle", &TriangleMesh::smooth_angle, "rad")
+      .def_prop_ro("materials", &materials_of<TriangleMesh>, "a number for each triangle, or none")
       .def(
           "__getstate__",
           [](nb::object self) {
-            return nb::make_tuple(self.attr("vertices"), self.attr("triangles"), self.attr("smooth_angle"));
+            return nb::make_tuple(self.attr("vertices"), self.attr("triangles"), self.attr("smooth_angle"),
+                                  self.attr("materials"));
           },
           nb::sig("def __getstate__(self) -> tuple[" ATOLL_SURFACE "]"))
       .def(
           "__setstate__",
-          [make_mesh](TriangleMesh& self, const std::tuple<Rows<3>, Indices, double>& state) {
+          [make_mesh](TriangleMesh& self, const std::tuple<Rows<3>, Indices, double, Numbers>& state) {
             std::apply([&](const auto&... parts) { make_mesh(&self, parts...); }, state);
           },
           nb::sig("def __setstate__(self, state: tuple[" ATOLL_SURFACE "], /) -> None"))
@@ -165,17 +177,18 @@ void bind_geometry(nb::module_& module) {
                                 "bodies. Copies share the geometry.",
                                 nb::is_weak_referenceable());
   bind_copies(field);
-  const auto make_field = [](HeightField* self, const Heights& heights, double spacing_x, double spacing_y,
-                             bool smooth) {
+  const auto make_field = [](HeightField* self, const Heights& heights, double spacing_x, double spacing_y, bool smooth,
+                             const Numbers& materials) {
     const std::size_t count = heights.shape(0) * heights.shape(1);
     new (self) HeightField(static_cast<std::uint32_t>(heights.shape(1)), static_cast<std::uint32_t>(heights.shape(0)),
-                           spacing_x, spacing_y, {heights.data(), heights.data() + count}, smooth);
+                           spacing_x, spacing_y, {heights.data(), heights.data() + count}, smooth, materials);
   };
   field
       .def("__init__", make_field, nb::arg("heights"), nb::arg("spacing_x") = 1.0, nb::arg("spacing_y") = 1.0,
-           nb::arg("smooth") = false,
+           nb::arg("smooth") = false, nb::arg("materials") = Numbers(),
            "heights: m, shape (rows, columns), at least 2 x 2: heights[j, i] is that at x = i * spacing_x, y = j * "
-           "spacing_y; NaN is a hole. spacings: m, > 0. smooth: the samples stand for a smooth surface.")
+           "spacing_y; NaN is a hole. spacings: m, > 0. smooth: the samples stand for a smooth surface. "
+           "materials: a number for each cell, row after row, as of a TriangleMesh; or none.")
       .def_prop_ro(
           "heights",
           [](const HeightField& self) {
@@ -185,16 +198,17 @@ void bind_geometry(nb::module_& module) {
       .def_prop_ro("spacing_x", &HeightField::spacing_x, "m")
       .def_prop_ro("spacing_y", &HeightField::spacing_y, "m")
       .def_prop_ro("smooth", &HeightField::smooth)
+      .def_prop_ro("materials", &materials_of<HeightField>, "a number for each cell, row after row, or none")
       .def(
           "__getstate__",
           [](nb::object self) {
             return nb::make_tuple(self.attr("heights"), self.attr("spacing_x"), self.attr("spacing_y"),
-                                  self.attr("smooth"));
+                                  self.attr("smooth"), self.attr("materials"));
           },
           nb::sig("def __getstate__(self) -> tuple[" ATOLL_HEIGHTS "]"))
       .def(
           "__setstate__",
-          [make_field](HeightField& self, const std::tuple<Heights, double, double, bool>& state) {
+          [make_field](HeightField& self, const std::tuple<Heights, double, double, bool, Numbers>& state) {
             std::apply([&](const auto&... parts) { make_field(&self, parts...); }, state);
           },
           nb::sig("def __setstate__(self, state: tuple[" ATOLL_HEIGHTS "], /) -> None"))

@@ -20,6 +20,7 @@ void with_body_fields(const Take& take) {
        Field{"inertia", &BodyDef::inertia, "kg m^2, shape (3, 3), body frame, about the centre of mass; needs mass"},
        Field{"centre_of_mass", &BodyDef::centre_of_mass, "m, shape (3,), body frame; needs inertia"},
        Field{"material", &BodyDef::material, "what its surface is like"},
+       Field{"materials", &BodyDef::materials, "of a surface's triangles or cells: number k > 0 has materials[k - 1]"},
        Field{"surface_velocity", &BodyDef::surface_velocity, "m/s, shape (3,), body frame: as a conveyor's belt"},
        Field{"gravity_scale", &BodyDef::gravity_scale, "times the world's gravity"},
        Field{"linear_damping", &BodyDef::linear_damping, "1/s, >= 0"},

@@ -156,6 +156,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "type",
                 "shape",
                 "material",
+                "materials",
                 "position",
                 "orientation",
                 "velocity",
@@ -193,6 +194,11 @@ SceneBody read_body(const Reader& in, const Library& library) {
   }
   if (const auto material = in.find("material")) {
     def.material = named_or_inline(*material, library.materials, "material", &read_material);
+  }
+  const auto materials = in.find("materials");
+  const std::size_t count = materials ? materials->size("an array of materials or names of them") : 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    def.materials.push_back(named_or_inline(materials->element(i), library.materials, "material", &read_material));
   }
 
   get(in, "position", def.position);

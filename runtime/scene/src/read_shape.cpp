@@ -40,8 +40,8 @@ constexpr const char* solid_names = "box, sphere, capsule, cylinder, cone, ellip
 
 void only_keys_of_a_shape(const Reader& in) {
   in.only_keys({"type", "half_extents", "half_axes", "radius", "radii", "half_height", "points", "vertices",
-                "triangles", "file", "scale", "smooth_angle", "heights", "spacing", "smooth", "children", "normal",
-                "offset"});
+                "triangles", "file", "scale", "smooth_angle", "heights", "spacing", "smooth", "materials", "children",
+                "normal", "offset"});
 }
 
 // Makes a geometry, and reports an Error about it at its place in the file, whose values caused it.
@@ -148,8 +148,18 @@ ConvexHull read_hull(const Reader& in) {
   return made(source, [&] { return ConvexHull(points); });
 }
 
+std::vector<std::uint8_t> read_material_numbers(const Reader& in) {
+  std::vector<std::uint8_t> numbers;
+  const auto all = in.find("materials");
+  const std::size_t count = all ? all->size("an array of numbers of materials") : 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    numbers.push_back(static_cast<std::uint8_t>(all->element(i).integer(0, std::numeric_limits<std::uint8_t>::max())));
+  }
+  return numbers;
+}
+
 TriangleMesh read_mesh(const Reader& in) {
-  in.only_keys({"type", "vertices", "triangles", "file", "scale", "smooth_angle"});
+  in.only_keys({"type", "vertices", "triangles", "file", "scale", "smooth_angle", "materials"});
   const auto file = in.find("file");
   if (file && (in.has("vertices") || in.has("triangles"))) {
     in.fail_at("file", "both a file and vertices or triangles", "one of them");
@@ -166,13 +176,13 @@ TriangleMesh read_mesh(const Reader& in) {
   get(in, "smooth_angle", smooth_angle, between(0, std::nextafter(std::numbers::pi, 0)));
   const Reader source = file ? *file : in.at("triangles", "");
   return made(source, [&] {
-    const TriangleMesh mesh(surface.vertices, surface.triangles, smooth_angle);
+    const TriangleMesh mesh(surface.vertices, surface.triangles, smooth_angle, read_material_numbers(in));
     return scale == Vector3::Ones() ? mesh : mesh.scaled(scale);
   });
 }
 
 HeightField read_height_field(const Reader& in) {
-  in.only_keys({"type", "heights", "spacing", "smooth"});
+  in.only_keys({"type", "heights", "spacing", "smooth", "materials"});
   bool smooth = false;
   get(in, "smooth", smooth);
   constexpr const char* what = "an array of rows, each an array of at least two numbers, in m";
@@ -197,7 +207,7 @@ HeightField read_height_field(const Reader& in) {
   const auto [x, y] = in.at("spacing", "[x, y], the distances between samples, in m").numbers<2>(distances, above(0));
   return made(rows, [&, dx = x, dy = y] {
     return HeightField(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(row_count), dx, dy, heights,
-                       smooth);
+                       smooth, read_material_numbers(in));
   });
 }
 

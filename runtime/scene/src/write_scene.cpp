@@ -97,6 +97,11 @@ Json round(const char* type, const Round& shape) {
   return {{"type", type}, {"radius", shape.radius}, {"half_height", shape.half_height}};
 }
 
+// Numbers of the materials of triangles or cells.
+void put_numbers(Json& out, std::span<const std::uint8_t> numbers) {
+  if (!numbers.empty()) out["materials"] = std::vector<int>(numbers.begin(), numbers.end());
+}
+
 Json points(std::span<const Vector3> all) {
   Json out = Json::array();
   for (const Vector3& point : all) out.push_back(json(point));
@@ -123,6 +128,7 @@ struct ShapeWriter {
     Json out = {{"type", "mesh"}, {"vertices", points(mesh.vertices())}, {"triangles", Json::array()}};
     for (const TriangleMesh::Indices& corners : mesh.triangles()) out["triangles"].push_back(corners);
     out["smooth_angle"] = mesh.smooth_angle();
+    put_numbers(out, mesh.materials());
     return out;
   }
   Json operator()(const HeightField& field) const {
@@ -133,10 +139,12 @@ struct ShapeWriter {
         heights.push_back(std::isnan(height) ? Json() : Json(height));  // null for a hole
       }
     }
-    return {{"type", "height_field"},
-            {"heights", std::move(rows)},
-            {"spacing", {field.spacing_x(), field.spacing_y()}},
-            {"smooth", field.smooth()}};
+    Json out = {{"type", "height_field"},
+                {"heights", std::move(rows)},
+                {"spacing", {field.spacing_x(), field.spacing_y()}},
+                {"smooth", field.smooth()}};
+    put_numbers(out, field.materials());
+    return out;
   }
   Json operator()(const Compound& compound) const {
     Json children = Json::array();
@@ -194,6 +202,7 @@ Json json(const SceneBody& body) {
   if (def.type != BodyType::Dynamic) out["type"] = def.type == BodyType::Static ? "static" : "kinematic";
   out["shape"] = std::visit(ShapeWriter{}, def.shape);
   if (def.material != Material{}) out["material"] = json(def.material);
+  for (const Material& material : def.materials) out["materials"].push_back(json(material));
   out["position"] = json(def.position);
   if (!def.orientation.vec().isZero(0)) out["orientation"] = json(def.orientation);
   put_unless_zero(out, "velocity", def.velocity);

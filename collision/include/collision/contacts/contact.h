@@ -86,6 +86,7 @@ struct alignas(64) Contact {
   std::array<FeatureId, max_points> ids = {};
   float tolerance = 0;  ///< how far the pair may drift, as part of the size, and turn, rad, before it is recomputed
   std::uint32_t axis = 0;
+  std::uint8_t material = 0;  ///< the number of that of a surface's triangles
 
   void set_tolerance(float value) {
     tolerance = value;

@@ -38,8 +38,9 @@ struct Manifold {
   bool known = false;                 ///< on entry to collide(), as the next: see there
   Vector3 middle = Vector3::Zero();   ///< m, of the last manifold's points
   int count = 0;
-  double rise = 0;  ///< m, along the normal: see collide_surface()
-  double gap = 0;   ///< m, where there are no points: the shapes are at least this far apart, if it is known, else 0
+  std::uint8_t material = 0;  ///< the number of that of a surface's triangles
+  double rise = 0;            ///< m, along the normal: see collide_surface()
+  double gap = 0;  ///< m, where there are no points: the shapes are at least this far apart, if it is known, else 0
   std::array<Point, max_points> points;
 
   void add(const Vector3& position, double separation, FeatureId id) {

@@ -20,11 +20,10 @@ struct SurfaceManifolds {
 };
 
 /// Contact points of a convex solid with a triangle mesh or height field. `solid_pose` is in the frame of the
-/// surface, which is the reference of all manifolds. Triangles that look the same way (within a degree) make one
-/// manifold, as if they were one face; where there are more ways than manifolds, similar ones (within 15 degrees) are
-/// put together, and then the shallowest are left out. Of faces that bend away from each other, only those push that
-/// the solid leaves soonest. Nothing is allocated. A
-/// pose that isn't finite has none.
+/// surface, which is the reference of all manifolds. Triangles of a material that look the same way (within a degree)
+/// make one manifold, as if they were one face; where there are more ways than manifolds, similar ones (within 15
+/// degrees) are put together, and then the shallowest are left out. Of faces that bend away from each other, only those
+/// push that the solid leaves soonest. Nothing is allocated. A pose that isn't finite has none.
 ///
 /// A ball on a surface that stands for a smooth one has the normals of that. It is going to shift by `shift` (m, in the
 /// surface's frame) in the step, and what it slides on bends: its normal is that half way, and `rise` is the part of

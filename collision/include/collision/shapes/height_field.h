@@ -16,15 +16,16 @@ namespace atl::collision {
 /// Heights over a grid in the x-y plane, two triangles a cell, front upwards. Made once and never changed. Nothing
 /// is stored by triangle: a field may have a billion of them. A triangle with a corner that is a hole isn't there.
 struct HeightField {
-  std::uint32_t columns = 0;       ///< samples along x, >= 2
-  std::uint32_t rows = 0;          ///< samples along y, >= 2
-  double spacing_x = 1;            ///< m, > 0; sample (0, 0) lies at the origin
-  double spacing_y = 1;            ///< m, > 0
-  std::vector<double> heights;     ///< m, along z; row after row: sample (i, j) at j * columns + i; NaN: a hole
-  double lowest = 0, highest = 0;  ///< m; 0 if all are holes
-  double bounding_radius = 0;      ///< m, about the origin
-  bool smooth = false;             ///< it stands for a smooth surface
-  std::uint64_t content = 0;       ///< hash of all of these
+  std::uint32_t columns = 0;            ///< samples along x, >= 2
+  std::uint32_t rows = 0;               ///< samples along y, >= 2
+  double spacing_x = 1;                 ///< m, > 0; sample (0, 0) lies at the origin
+  double spacing_y = 1;                 ///< m, > 0
+  std::vector<double> heights;          ///< m, along z; row after row: sample (i, j) at j * columns + i; NaN: a hole
+  double lowest = 0, highest = 0;       ///< m; 0 if all are holes
+  double bounding_radius = 0;           ///< m, about the origin
+  bool smooth = false;                  ///< it stands for a smooth surface
+  std::vector<std::uint8_t> materials;  ///< numbers, by cell, row after row; empty: all 0
+  std::uint64_t content = 0;            ///< hash of all of these
 
   std::uint32_t triangle_count() const { return 2 * (columns - 1) * (rows - 1); }
   /// Triangles 2 c and 2 c + 1 are those of cell c, row after row, below and above the diagonal, which runs from
@@ -36,6 +37,9 @@ struct HeightField {
   void complete(std::uint32_t index, Triangle& face) const;
 
   double height(std::uint32_t column, std::uint32_t row) const { return heights[std::size_t{row} * columns + column]; }
+  std::uint8_t material(std::uint32_t index) const {
+    return materials.empty() ? std::uint8_t{0} : materials[index / 2];
+  }
   /// True if one of the triangle's corners is a hole.
   bool is_hole(std::uint32_t index) const;
 
@@ -78,10 +82,11 @@ struct HeightField {
 
 /// Error text where there is no field: fewer than 2 columns or rows, more triangles than 32 bits count, a spacing
 /// that isn't positive (or beyond 1e30 m), another number of heights than columns * rows, or one that is infinite
-/// (or beyond 1e30 m). NaN stands for a hole.
+/// (or beyond 1e30 m). NaN stands for a hole. Materials are as many as there are cells, or none.
 std::variant<HeightField, std::string> build_height_field(std::uint32_t columns, std::uint32_t rows, double spacing_x,
                                                           double spacing_y, std::vector<double> heights,
-                                                          bool smooth = false);
+                                                          bool smooth = false,
+                                                          std::vector<std::uint8_t> materials = {});
 
 /// The field with other heights in a rectangle of samples, of so many columns, from a sample on, row after row. Error
 /// text where the rectangle is not within the field, or a height is infinite.
