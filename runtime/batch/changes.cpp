@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "columns.h"
@@ -40,7 +41,38 @@ void set_each(const char* what, Batch& batch, const std::vector<Id>& ids, std::s
   });
 }
 
+// The size of a solid that a number stands for; null if it has none such.
+struct SizeOf {
+  BodyNumber what;
+
+  double* operator()(auto& solid) const {
+    if constexpr (requires { solid.radius; }) {
+      if (what == BodyNumber::Radius) return &solid.radius;
+    }
+    if constexpr (requires { solid.half_height; }) {
+      if (what == BodyNumber::HalfHeight) return &solid.half_height;
+    }
+    if constexpr (requires { solid.half_extents; }) return axis_of(solid.half_extents);
+    if constexpr (requires { solid.half_axes; }) return axis_of(solid.half_axes);
+    return nullptr;
+  }
+  double* axis_of(Vector3& along) const {
+    return what < BodyNumber::HalfExtentX
+               ? nullptr
+               : &along[static_cast<Eigen::Index>(what) - static_cast<Eigen::Index>(BodyNumber::HalfExtentX)];
+  }
+};
+
+void set_size(World& world, BodyId id, BodyNumber what, double number) {
+  Shape shape = world.definition(id).shape;
+  double* const size = std::visit(SizeOf{what}, shape);
+  if (size == nullptr) throw Error("set_numbers: found a shape without such a size; expected one that has it");
+  *size = number;
+  world.set_shape(id, shape);
+}
+
 void set_number(World& world, BodyId id, BodyNumber what, double number) {
+  if (what >= BodyNumber::Radius) return set_size(world, id, what, number);
   Material material = world.material(id);
   switch (what) {
     case BodyNumber::Mass:
@@ -62,6 +94,8 @@ void set_number(World& world, BodyId id, BodyNumber what, double number) {
       break;
     case BodyNumber::TorsionalFriction:
       material.torsional_friction = number;
+      break;
+    default:
       break;
   }
   world.set_material(id, material);

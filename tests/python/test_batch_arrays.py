@@ -71,6 +71,32 @@ def test_balls_bounce_as_their_restitution_says() -> None:
     assert batch.velocities[:, 1, 2] == pytest.approx(4 * restitution, rel=1e-3)
 
 
+def test_shapes_are_as_large_as_each_world_says() -> None:
+    """A solid lies on the ground with its middle at its radius or half extent. A ball's inertia grows as r^2: mass stays."""
+    bodies = [atoll.BodyDef(position=[3 * i, 0, 1], mass=2) for i in range(3)]
+    bodies[0].shape, bodies[2].shape = atoll.Sphere(0.5), atoll.Capsule(0.2, 0.3)
+    batch = batch_of(atoll.BodyDef(type="static", shape=atoll.HalfSpace()), *bodies, falls=True)
+    sizes = np.linspace(0.2, 0.6, WORLDS)
+    batch.set_body_numbers("radius", [1], sizes)
+    batch.set_body_numbers("half_extent_z", [2], sizes)
+    batch.set_body_numbers("half_height", [3], sizes)
+    batch.step(count=480)
+    heights = batch.positions[:, 1:, 2]
+    expected = np.stack([sizes, sizes, 0.2 + sizes], axis=1)
+    assert heights == pytest.approx(expected, abs=5e-3)
+    for place, size in enumerate(sizes):
+        ball = batch[place].definition(batch.bodies[1])
+        assert ball.mass == pytest.approx(2) and ball.inertia is not None
+        assert ball.inertia[0, 0] == pytest.approx(0.4 * 2 * size**2)
+    batch.reset()
+    start = batch[0].definition(batch.bodies[1]).shape
+    assert isinstance(start, atoll.Sphere) and start.radius == 0.5
+    with pytest.raises(atoll.Error, match="found a shape without such a size"):
+        batch.set_body_numbers("radius", [2], sizes)
+    with pytest.raises(atoll.Error, match="World::set_shape: shape.*radius"):
+        batch.set_body_numbers("radius", [1], -sizes)
+
+
 def test_bodies_are_damped_as_each_world_says() -> None:
     """dv/dt = -c v, along and about."""
     apart = [[0, 0, 0], [0, 9, 0]]

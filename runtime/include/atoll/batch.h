@@ -112,7 +112,8 @@ class Batch {
 /// m/s^2, 3 numbers a world.
 void set_gravities(Batch& batch, std::span<const double> gravities, std::span<const std::size_t> places = {});
 
-/// Numbers of bodies that may differ from world to world: as BodyDef and Material have them.
+/// Numbers of bodies that may differ from world to world: as BodyDef, Material and the shape have them. Sizes are set
+/// as by World::set_shape(): the mass stays. Extents are those of a Box, or the half axes of an Ellipsoid.
 enum class BodyNumber {
   Mass,
   Friction,
@@ -122,6 +123,11 @@ enum class BodyNumber {
   GravityScale,
   LinearDamping,
   AngularDamping,
+  Radius,
+  HalfHeight,
+  HalfExtentX,
+  HalfExtentY,
+  HalfExtentZ,
 };
 /// Numbers along a coordinate of a joint, as JointAxis has them, likewise. It must have the servo, motor or spring.
 enum class JointNumber {

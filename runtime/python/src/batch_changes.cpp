@@ -40,7 +40,8 @@ void bind_motion(nb::class_<Batch>& batch) {
 }
 
 void bind_numbers(nb::module_& module, nb::class_<Batch>& batch) {
-  nb::enum_<BodyNumber>(module, "BodyNumber", "What Batch.set_body_numbers() sets, as BodyDef and Material have it.")
+  nb::enum_<BodyNumber>(module, "BodyNumber",
+                        "What Batch.set_body_numbers() sets, as BodyDef, Material and the shape have it.")
       .value("MASS", BodyNumber::Mass, "kg, > 0, of dynamic bodies.")
       .value("FRICTION", BodyNumber::Friction)
       .value("RESTITUTION", BodyNumber::Restitution)
@@ -48,7 +49,12 @@ void bind_numbers(nb::module_& module, nb::class_<Batch>& batch) {
       .value("TORSIONAL_FRICTION", BodyNumber::TorsionalFriction)
       .value("GRAVITY_SCALE", BodyNumber::GravityScale)
       .value("LINEAR_DAMPING", BodyNumber::LinearDamping)
-      .value("ANGULAR_DAMPING", BodyNumber::AngularDamping);
+      .value("ANGULAR_DAMPING", BodyNumber::AngularDamping)
+      .value("RADIUS", BodyNumber::Radius, "m, > 0; this and the next change the shape, the mass stays.")
+      .value("HALF_HEIGHT", BodyNumber::HalfHeight, "m, > 0")
+      .value("HALF_EXTENT_X", BodyNumber::HalfExtentX, "m, > 0, of a Box, or half axis of an Ellipsoid")
+      .value("HALF_EXTENT_Y", BodyNumber::HalfExtentY, "m, > 0")
+      .value("HALF_EXTENT_Z", BodyNumber::HalfExtentZ, "m, > 0");
   nb::enum_<JointNumber>(
       module, "JointNumber",
       "What Batch.set_joint_numbers() sets, as JointAxis has it; servo, motor or spring must be there.")
