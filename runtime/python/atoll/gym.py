@@ -47,18 +47,24 @@ TASKS: dict[str, type[Task]] = {
 
 
 def make(
-    name: str, num_envs: int, autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP, threads: int = 0
+    name: str,
+    num_envs: int,
+    autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
+    threads: int = 0,
+    render_mode: str | None = None,
 ) -> BatchEnv:
     """A task by its name in TASKS in so many worlds. `threads`: 0 for as many as the machine has.
 
+    With the render_mode "rgb_array", render() gives pictures: `pip install atoll[gym,render]`.
+
     Tasks from "half-cheetah" on read Gymnasium's own models, which takes `pip install atoll[gym,robots]`.
     """
-    return BatchEnv(_task(name), num_envs, autoreset_mode, threads)
+    return BatchEnv(_task(name), num_envs, autoreset_mode, threads, render_mode)
 
 
-def make_single(name: str) -> SingleEnv:
+def make_single(name: str, render_mode: str | None = None) -> SingleEnv:
     """A task by its name in TASKS, as a plain environment of one world."""
-    return SingleEnv(_task(name))
+    return SingleEnv(_task(name), render_mode)
 
 
 def _task(name: str) -> Task:

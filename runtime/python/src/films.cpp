@@ -3,6 +3,7 @@
 #include <atoll/playback.h>
 #include <atoll/recording.h>
 #include <atoll/scene.h>
+#include <atoll/shapes.h>
 #include <atoll/world.h>
 
 #include <algorithm>
@@ -20,8 +21,10 @@
 #include "fields.h"
 #include "parts.h"
 #include "signals.h"
+#include "view/colour.h"
 #include "view/film.h"
 #include "view/film_page.h"
+#include "view/triangles.h"
 
 namespace atl::python {
 namespace {
@@ -241,6 +244,26 @@ void bind_films(nb::module_& module) {
            "\"body=7&colour=force&contacts&joints&boxes&play\". No bit of what the world does depends on it.")
       .def("view", &view_of, nb::kw_only(), nb::arg("name") = "world", nb::arg("show") = "",
            "This world as it stands, as a film of one frame.");
+  module.def(
+      "triangles_of",
+      [](const Shape& shape) {
+        constexpr int around = 48;  // so many flat sides look round
+        const view::Triangles all = view::triangles_of(shape, around);
+        const double* vertices = all.vertices.empty() ? nullptr : all.vertices.front().data();
+        const std::uint32_t* triangles = all.triangles.empty() ? nullptr : all.triangles.front().data();
+        return nb::make_tuple(nb::steal(array_of(vertices, {all.vertices.size(), 3})),
+                              nb::steal(array_of(triangles, {all.triangles.size(), 3})));
+      },
+      nb::arg("shape"),
+      nb::sig("def triangles_of(shape: object) -> tuple[numpy.typing.NDArray[numpy.float64], "
+              "numpy.typing.NDArray[numpy.uint32]]"));
+  module.def(
+      "colour_of",
+      [](std::size_t number, bool moves) {
+        const view::Colour colour = moves ? view::body_colour(number) : view::static_colour;
+        return std::tuple(colour.r, colour.g, colour.b);
+      },
+      nb::arg("number"), nb::arg("moves"));
   module.def("has_page", &view::has_page,
              "Whether the page that plays films was built into the package: where npm was when it was built.");
   module.def(

@@ -55,7 +55,11 @@ class BatchEnv(VectorEnv[Seen, Array, Any]):
     """A task in `num_envs` worlds of one batch, with any of Gymnasium's three modes of starting over.
 
     A world that loses a body to quarantine has ended its episode, with no reward for its last action.
+
+    With render_mode "rgb_array", which takes `pip install atoll[render]`, render() takes pictures.
     """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}
 
     def __init__(
         self,
@@ -63,12 +67,17 @@ class BatchEnv(VectorEnv[Seen, Array, Any]):
         num_envs: int,
         autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
         threads: int = 0,
+        render_mode: str | None = None,
     ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise _core.Error(f"found the render_mode {render_mode!r}; expected 'rgb_array' or None")
         self.task = task
+        self.render_mode = render_mode
         self.num_envs = num_envs
         self.batch = _core.Batch(task.scene, num_envs, threads=threads)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {"autoreset_mode": self.autoreset_mode}
+        frames = 1 / (task.scene.dt * task.steps_an_action)
+        self.metadata = self.metadata | {"autoreset_mode": self.autoreset_mode, "render_fps": round(frames)}
         self.single_observation_space = task.observation_space
         self.single_action_space = task.action_space
         self.observation_space = gymnasium.vector.utils.batch_space(task.observation_space, num_envs)
@@ -76,6 +85,7 @@ class BatchEnv(VectorEnv[Seen, Array, Any]):
         self._randoms = [np.random.default_rng() for _ in range(num_envs)]
         self._done = np.ones(num_envs, dtype=bool)  # who can't go on without a reset
         self._age = np.zeros(num_envs, dtype=np.int64)  # actions of the episode
+        self._renderers: list[Any] = []
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -128,6 +138,16 @@ class BatchEnv(VectorEnv[Seen, Array, Any]):
             observations = self.task.observe(self.batch)
         return observations, rewards, terminated, truncated, infos
 
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A picture of each world as it is, as render.Renderer takes it by itself; None without a render_mode."""
+        if self.render_mode is None:
+            return None
+        if not self._renderers:
+            from ..render import Renderer
+
+            self._renderers = [Renderer(self.batch[place]) for place in range(self.num_envs)]
+        return tuple(renderer.render().colour for renderer in self._renderers)
+
     def _begin(self, chosen: Bools) -> None:
         places = np.flatnonzero(chosen)
         if places.size == 0:
@@ -142,8 +162,9 @@ class BatchEnv(VectorEnv[Seen, Array, Any]):
 class SingleEnv(gymnasium.Env[Seen, Array]):
     """One world of a task, as a plain environment."""
 
-    def __init__(self, task: Task) -> None:
-        self.envs = BatchEnv(task, 1, AutoresetMode.DISABLED, threads=1)
+    def __init__(self, task: Task, render_mode: str | None = None) -> None:
+        self.envs = BatchEnv(task, 1, AutoresetMode.DISABLED, threads=1, render_mode=render_mode)
+        self.metadata, self.render_mode = self.envs.metadata, render_mode
         self.observation_space = cast("gymnasium.Space[Seen]", task.observation_space)
         self.action_space = cast("gymnasium.Space[Array]", task.action_space)
 
@@ -155,3 +176,7 @@ class SingleEnv(gymnasium.Env[Seen, Array]):
     def step(self, action: Array) -> tuple[Seen, float, bool, bool, dict[str, Any]]:
         observations, rewards, terminated, truncated, infos = self.envs.step(np.asarray(action)[None])
         return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), infos
+
+    def render(self) -> NDArray[np.uint8] | None:
+        pictures = self.envs.render()
+        return None if pictures is None else pictures[0]
