@@ -100,6 +100,7 @@ const char* found_beside(const atl::BodyDef& def) {
   if (def.material.torsional_friction > 0) return "torsional friction";
   if (def.material.friction_rule != atl::CombineRule::Default) return "a rule for friction";
   if (def.material.restitution_rule != atl::CombineRule::Default) return "a rule for restitution";
+  if (!def.materials.empty()) return "materials of triangles";
   return def.surface_velocity.isZero(0) ? nullptr : "a surface velocity";
 }
 
