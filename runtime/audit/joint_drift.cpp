@@ -144,8 +144,16 @@ class Gauge {
     for (int axis = 0; axis < 3; ++axis) {
       drift.offset(joint.offset[static_cast<std::size_t>(axis)].range, axis, local_offset()[axis]);
       // Twice the sine of half the angle, which has no full turns.
+      if (joint.turns != SixDofTurns::Vector) continue;
       drift.bounded_turn(joint.turn[static_cast<std::size_t>(axis)].range, 2 * turn_.vec()[axis]);
     }
+    if (joint.turns == SixDofTurns::Vector) return drift;
+    const int last = joint.turns == SixDofTurns::AnglesXYZ ? 2 : 1, middle = 3 - last;
+    const Vector3 hinge = a_.axes.col(0), carried = b_.axes.col(last);
+    const double between = (middle == 1 ? 1 : -1) * (pi / 2 - angle_between(hinge, carried));
+    drift.turn(joint.turn[0].range, angle_about(hinge, a_.axes.col(last), carried));
+    drift.bounded_turn(joint.turn[static_cast<std::size_t>(middle)].range, between);
+    drift.turn(joint.turn[static_cast<std::size_t>(last)].range, angle_about(carried, hinge, b_.axes.col(0)));
     return drift;
   }
 

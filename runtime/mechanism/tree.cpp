@@ -4,6 +4,7 @@
 #include <jobs/assert.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <sstream>
@@ -55,7 +56,7 @@ struct Stages {
   [[noreturn]] void refuse_kind(const char* kind) const {
     throw Error("Mechanism: " + joint + " is a " + kind +
                 "; expected hinges, sliders, balls, fixed and universal joints, wheels, or six-dof joints of which all "
-                "turns are locked at 0, or all are free and without armature");
+                "turns are angles, or locked at 0, or free and without armature");
   }
 
   static Stage along(Motion motion, int axis, std::size_t coordinate, const JointAxis& law) {
@@ -78,6 +79,13 @@ struct Stages {
     for (int axis = 0; axis < 3; ++axis) {
       const auto place = static_cast<std::size_t>(axis);
       found.push_back(along(Motion::Slide, axis, place, six.offset[place]));
+    }
+    if (six.turns != SixDofTurns::Vector) {
+      for (const int axis : six.turns == SixDofTurns::AnglesXYZ ? std::array{0, 1, 2} : std::array{0, 2, 1}) {
+        const auto place = static_cast<std::size_t>(axis);
+        found.push_back(along(Motion::Turn, axis, 3 + place, six.turn[place]));
+      }
+      return found;
     }
     const auto is_at_zero = [](const JointAxis& turn) { return turn.range.lower == 0 && turn.range.upper == 0; };
     const auto is_free = [](const JointAxis& turn) { return !is_locked(turn) && turn.armature == 0; };

@@ -97,6 +97,9 @@ struct JointKindState {
     } else if constexpr (std::is_same_v<Joint, SixDofJoint>) {
       for (auto& each : kind.offset) axis(each);
       for (auto& each : kind.turn) axis(each);
+      // So hashes of worlds without angles are what they were before there were any.
+      if (!Archive::hashes || kind.turns != SixDofTurns::Vector) archive.value(kind.turns);
+      archive.check(kind.turns <= SixDofTurns::AnglesXZY, "turns of no known sort");
     } else if constexpr (std::is_same_v<Joint, GearJoint>) {
       archive.value(kind.ratio);
       archive.value(kind.rack);

@@ -28,6 +28,7 @@ struct Domain {
 constexpr Domain any = {};
 constexpr Domain not_negative = {0, unlimited, "a number not below 0, as distances are"};
 constexpr Domain half_turn = {-std::numbers::pi, std::numbers::pi, "an angle in [-pi, pi], in rad"};
+constexpr Domain quarter_turn = {-std::numbers::pi / 2, std::numbers::pi / 2, "an angle in [-pi/2, pi/2], in rad"};
 constexpr Domain twice_a_sine = {-2, 2, "a number in [-2, 2], twice the sine of half the angle"};
 
 void check_end(std::string_view field, double value, const Domain& domain) {
@@ -114,10 +115,15 @@ struct KindCheck {
   }
 
   void operator()(const SixDofJoint& six) const {
+    if (six.turns > SixDofTurns::AnglesXZY) {
+      refuse(what + ".turns", static_cast<int>(six.turns), "a value of SixDofTurns");
+    }
+    const std::size_t middle = six.turns == SixDofTurns::AnglesXYZ ? 1 : 2;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::string index = "[" + std::to_string(i) + "]";
       check_axis(what + ".offset" + index, six.offset[i]);
-      check_axis(what + ".turn" + index, six.turn[i], twice_a_sine);
+      const Domain& angles = i == middle ? quarter_turn : any;
+      check_axis(what + ".turn" + index, six.turn[i], six.turns == SixDofTurns::Vector ? twice_a_sine : angles);
     }
   }
 

@@ -41,6 +41,19 @@ Law law_of(const JointAxis& axis) {
   return law;
 }
 
+// By SixDofTurns.
+constexpr std::array<std::array<Coordinate, 6>, 3> six_names = {
+    {{Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::OffsetZ, Coordinate::TurnX, Coordinate::TurnY,
+      Coordinate::TurnZ},
+     {Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::OffsetZ, Coordinate::AngleXOfZ, Coordinate::BetweenY,
+      Coordinate::AngleSecondZ},
+     {Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::OffsetZ, Coordinate::AngleX, Coordinate::AngleSecondY,
+      Coordinate::BetweenZ}}};
+
+constexpr const std::array<Coordinate, 6>& names_of(const SixDofJoint& six) {
+  return six_names[static_cast<std::size_t>(six.turns)];
+}
+
 bool holds_at_zero(const JointAxis& axis) { return axis.range.lower == 0 && axis.range.upper == 0; }
 
 // Adds the rows of a kind.
@@ -106,13 +119,9 @@ struct Rows {
   void operator()(const SixDofJoint& six) const {
     joint.point = std::all_of(six.offset.begin(), six.offset.end(), holds_at_zero);
     if (!joint.point) {
-      add(Coordinate::OffsetX, six.offset[0]);
-      add(Coordinate::OffsetY, six.offset[1]);
-      add(Coordinate::OffsetZ, six.offset[2]);
+      for (std::size_t axis = 0; axis < 3; ++axis) add(names_of(six)[axis], six.offset[axis]);
     }
-    add(Coordinate::TurnX, six.turn[0]);
-    add(Coordinate::TurnY, six.turn[1]);
-    add(Coordinate::TurnZ, six.turn[2]);
+    for (std::size_t axis = 0; axis < 3; ++axis) add(names_of(six)[3 + axis], six.turn[axis]);
   }
 
   void operator()(const GearJoint& gear) const {
@@ -141,8 +150,6 @@ constexpr std::array slider_names = {Coordinate::OffsetX};
 constexpr std::array distance_names = {Coordinate::Distance};
 constexpr std::array universal_names = {Coordinate::AngleX, Coordinate::AngleSecondY};
 constexpr std::array cone_names = {Coordinate::Swing, Coordinate::Twist};
-constexpr std::array six_names = {Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::OffsetZ,
-                                  Coordinate::TurnX,   Coordinate::TurnY,   Coordinate::TurnZ};
 constexpr std::array gear_names = {Coordinate::Gear};
 constexpr std::array rack_names = {Coordinate::Rack};
 constexpr std::array tendon_names = {Coordinate::Length};
@@ -158,7 +165,7 @@ struct Names {
   Coordinates operator()(const DistanceJoint&) const { return distance_names; }
   Coordinates operator()(const UniversalJoint&) const { return universal_names; }
   Coordinates operator()(const ConeTwistJoint&) const { return cone_names; }
-  Coordinates operator()(const SixDofJoint&) const { return six_names; }
+  Coordinates operator()(const SixDofJoint& six) const { return names_of(six); }
   Coordinates operator()(const GearJoint& gear) const { return gear.rack ? Coordinates(rack_names) : gear_names; }
   Coordinates operator()(const WheelJoint&) const { return wheel_names; }
   Coordinates operator()(const TendonJoint&) const { return tendon_names; }
@@ -202,7 +209,7 @@ auto find_axis(Kind& kind, std::size_t coordinate) {
   if (auto* cone = std::get_if<ConeTwistJoint>(&kind)) return pick({nullptr, &cone->twist});
   if (auto* wheel = std::get_if<WheelJoint>(&kind)) return pick({&wheel->suspension, &wheel->steering, &wheel->spin});
   if (auto* six = std::get_if<SixDofJoint>(&kind)) {
-    auto& [offset, turn] = *six;
+    auto& [offset, turn, turns] = *six;
     return pick({&offset[0], &offset[1], &offset[2], &turn[0], &turn[1], &turn[2]});
   }
   return static_cast<Axis*>(nullptr);

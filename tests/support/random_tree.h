@@ -31,7 +31,7 @@ struct RandomTree {
     }
   }
 
-  /// Angles within half a turn, offsets within 0.3 m, rates within 1 rad/s or m/s.
+  /// Angles within half a turn, of a gimbal within 1.2 rad, offsets within 0.3 m, rates within 1 rad/s or m/s.
   std::pair<Eigen::VectorXd, Eigen::VectorXd> random_state(const Mechanism& mechanism) {
     Eigen::VectorXd q = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(mechanism.nq()));
     for (const MechanismJoint& joint : mechanism.joints()) {
@@ -43,6 +43,7 @@ struct RandomTree {
         const bool slides = joint.joint != JointId{} &&
                             (std::holds_alternative<SliderJoint>(world.joint(joint.joint).kind) || joint.q_count == 7);
         q[first + i] = slides ? random.real(-0.3, 0.3) : random.real(-3, 3);
+        if (is_gimbal(joint.joint)) q[first + i] *= 0.4;
       }
       if (turns) q.segment<4>(first + numbers - 4) = random.rotation().coeffs();
     }
@@ -77,6 +78,11 @@ struct RandomTree {
   }
 
  private:
+  bool is_gimbal(JointId joint) const {
+    const auto* six = joint == JointId{} ? nullptr : std::get_if<SixDofJoint>(&world.joint(joint).kind);
+    return six != nullptr && six->turns != SixDofTurns::Vector;
+  }
+
   BodyDef random_body() {
     const Vector3 sides = Vector3::Constant(0.1) + random.vector(0.05);
     const double mass = random.real(0.5, 3);
@@ -105,6 +111,9 @@ struct RandomTree {
                                WheelJoint{.suspension = {}, .steering = {}},
                                WheelJoint{.suspension = {.range = {0.1, 0.1}}},
                                SixDofJoint{},
+                               SixDofJoint{.turns = SixDofTurns::AnglesXYZ},
+                               SixDofJoint{.offset = {JointAxis{.range = {0.1, 0.1}}},
+                                           .turns = SixDofTurns::AnglesXZY},
                                HingeJoint{}};
     const bool reversed = random.chance(0.4);
     JointDef def{.kind = kinds[static_cast<std::size_t>(number) % std::size(kinds)],

@@ -44,18 +44,21 @@ bool is_smooth(Coordinate coordinate, const JointFrames& frames) {
     case Coordinate::SwingAlongZ:
       return cosines(0, 0) > -0.95;
     case Coordinate::SkewXY:
-      return std::abs(cosines(0, 1)) < 0.95;
     case Coordinate::SkewZY:
-      return std::abs(cosines(2, 1)) < 0.95;
+    case Coordinate::BetweenY:
+    case Coordinate::BetweenZ:
+    case Coordinate::AngleX:
+    case Coordinate::AngleSecondY:
+    case Coordinate::AngleXOfZ:
+    case Coordinate::AngleSecondZ:
+    case Coordinate::Steer:
+    case Coordinate::Roll: {
+      const AxisPair hinges = hinges_of(coordinate);
+      return std::abs(cosines(hinges.first, hinges.second)) < 0.95;
+    }
     case Coordinate::Swing:
     case Coordinate::Orbit:
       return std::abs(cosines(0, 0)) < 0.95;
-    case Coordinate::AngleX:
-    case Coordinate::AngleSecondY:
-      return std::abs(cosines(0, 1)) < 0.95;
-    case Coordinate::Steer:
-    case Coordinate::Roll:
-      return std::abs(cosines(2, 1)) < 0.95;
     default:
       return true;
   }
@@ -126,16 +129,22 @@ TEST_P(JointCoordinates, RateIsTheDerivative) {
   EXPECT_GT(largest, 1);
 }
 
-// The second derivative jumps at the start of the fading range and at half a turn, so the test leaves these poses out.
-bool is_smooth_law(const JointFrames& frames) {
-  const double cosine = std::abs(relative_turn(frames).w());
-  return cosine > 0.005 && std::abs(cosine - tuning::fading_turn) > 0.005;
+// The second derivative jumps at the start of the fading range and at half a turn, or where hinges are parallel, so the
+// test leaves these poses out.
+bool is_smooth_law(Coordinate coordinate, const JointFrames& frames) {
+  double fades_by = std::abs(relative_turn(frames).w());
+  if (is_hinged(coordinate)) {
+    const AxisPair hinges = hinges_of(coordinate);
+    fades_by = frames.axes_first.col(hinges.first).cross(frames.axes_second.col(hinges.second)).norm();
+  }
+  return fades_by > 0.005 && std::abs(fades_by - tuning::fading_turn) > 0.005;
 }
 
-// The direction of a law is smooth at every pose, with its position continued: also at a swing of 180 degrees and at
-// half a turn.
+// The direction of a law is smooth at every pose, with its position continued: also at a swing of 180 degrees, at half
+// a turn, and where two hinges are parallel.
 TEST(JointLaws, FadeWhereTheirCoordinateHasNoValue) {
-  for (const Coordinate coordinate : {Coordinate::TurnX, Coordinate::TurnY, Coordinate::TurnZ, Coordinate::Twist}) {
+  for (const Coordinate coordinate : {Coordinate::TurnX, Coordinate::TurnY, Coordinate::TurnZ, Coordinate::Twist,
+                                      Coordinate::AngleX, Coordinate::AngleSecondY, Coordinate::AngleXOfZ}) {
     Random random(5);
     int faded = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -143,12 +152,14 @@ TEST(JointLaws, FadeWhereTheirCoordinateHasNoValue) {
       const LawRow now = law_row(pose.joint, 0, pose.frames(), pose.row().value);
       const auto later = [&](double time) { return law_row(pose.joint, 0, pose.at(time).frames(), now.position); };
       const auto fades = [&](double time) { return later(time).at.share != 1; };
-      if (coordinate == Coordinate::Twist ? fades(-0.001) != fades(0.001) : !is_smooth_law(pose.frames())) continue;
+      if (coordinate == Coordinate::Twist ? fades(-0.001) != fades(0.001) : !is_smooth_law(coordinate, pose.frames())) {
+        continue;
+      }
       if (now.at.value != now.position) ++faded;
       const double rate = pose.rate_of(now.at);
       ASSERT_NEAR(rate, derivative([&](double time) { return later(time).at.value; }), 1e-5 * (1 + std::abs(rate)))
           << "pose " << i;
-      ASSERT_LT(now.at.angular_first.norm(), 15);
+      ASSERT_LT(now.at.angular_first.norm(), 25);
     }
     EXPECT_GT(faded, 300);
   }
@@ -167,7 +178,7 @@ TEST(JointLaws, DoNotFadeWhereTheyLockAtZero) {
 
 TEST_P(JointCoordinates, RatesOnlyHaveNoValue) {
   Random random(4);
-  const bool rate_only = GetParam() >= Coordinate::SpinX;
+  const bool rate_only = is_rate(GetParam());
   for (int i = 0; i < 100; ++i) {
     const JointPose pose(random, GetParam());
     EXPECT_EQ(pose.row().value == 0, rate_only);
@@ -222,7 +233,7 @@ TEST(JointCoordinate, SwingsAreZeroForParallelAxesAlone) {
 
 // A cross turns about the first x axis and then the second y axis; a wheel steers about the first z axis and then rolls
 // about its own y axis. Each angle is told apart from the other, and the axes stay at right angles.
-TEST(JointCoordinate, AnglesOfCrossesAndWheelsAreToldApart) {
+TEST(JointCoordinate, AnglesOfCrossesGimbalsAndWheelsAreToldApart) {
   Random random(9);
   for (int i = 0; i < 200; ++i) {
     const double before = random.real(-3.1, 3.1), after = random.real(-3.1, 3.1);
@@ -231,6 +242,18 @@ TEST(JointCoordinate, AnglesOfCrossesAndWheelsAreToldApart) {
     EXPECT_NEAR(value(Coordinate::AngleX, cross), before, 1e-13);
     EXPECT_NEAR(value(Coordinate::AngleSecondY, cross), after, 1e-13);
     EXPECT_NEAR(value(Coordinate::SkewXY, cross), 0, 1e-15);
+    // A gimbal: three hinges one after another, in either order.
+    const double between = random.real(-1.5, 1.5);
+    const JointFrames xyz = frames_of(base, about(Vector3::UnitX(), before) * about(Vector3::UnitY(), between) *
+                                                about(Vector3::UnitZ(), after));
+    EXPECT_NEAR(value(Coordinate::AngleXOfZ, xyz), before, 1e-12);
+    EXPECT_NEAR(value(Coordinate::BetweenY, xyz), between, 1e-13);
+    EXPECT_NEAR(value(Coordinate::AngleSecondZ, xyz), after, 1e-12);
+    const JointFrames xzy = frames_of(base, about(Vector3::UnitX(), before) * about(Vector3::UnitZ(), between) *
+                                                about(Vector3::UnitY(), after));
+    EXPECT_NEAR(value(Coordinate::AngleX, xzy), before, 1e-12);
+    EXPECT_NEAR(value(Coordinate::BetweenZ, xzy), between, 1e-13);
+    EXPECT_NEAR(value(Coordinate::AngleSecondY, xzy), after, 1e-12);
     const JointFrames wheel = frames_of(base, about(Vector3::UnitZ(), before) * about(Vector3::UnitY(), after));
     EXPECT_NEAR(value(Coordinate::Steer, wheel), before, 1e-13);
     EXPECT_NEAR(value(Coordinate::Roll, wheel), after, 1e-13);
@@ -307,13 +330,13 @@ TEST(JointCoordinate, AreDefinedWhereTheyHaveNoDirection) {
   frames.axes_second.col(0) = Vector3::UnitY();
   frames.axes_second.col(1) = -Vector3::UnitX();
   frames.axes_second.col(2) = Vector3::UnitZ();
-  expect_row(angle_about_first(frames, 0, 1), 0, Vector3::UnitX());
-  expect_row(angle_about_second(frames, 1, 0), 0, -Vector3::UnitX());
+  expect_row(angle_about_first(frames, {0, 1}), 0, Vector3::UnitX());
+  expect_row(angle_about_second(frames, {0, 1}), 0, -Vector3::UnitX());
   frames.axes_second.col(0) = Vector3::UnitX();
   frames.axes_second.col(1) = Vector3::UnitZ();
   frames.axes_second.col(2) = -Vector3::UnitY();
-  expect_row(angle_about_first(frames, 2, 1), 0, Vector3::UnitZ());
-  expect_row(angle_about_second(frames, 1, 2), 0, Vector3::UnitZ());
+  expect_row(angle_about_first(frames, {2, 1}), 0, Vector3::UnitZ());
+  expect_row(angle_about_second(frames, {2, 1}), 0, Vector3::UnitZ());
 }
 
 }  // namespace

@@ -61,6 +61,8 @@ const std::vector<BadKind>& bad_kinds() {
       {ConeTwistJoint{.twist = ranged(0, 3.5)}, "kind.twist.range.upper", "3.5", "[-pi, pi], in rad"},
       {SixDofJoint{.offset = {JointAxis{}, ranged(1, 0), JointAxis{}}}, "kind.offset[1].range", "lower 1", "upper 0"},
       {SixDofJoint{.turn = {JointAxis{}, JointAxis{}, ranged(0, 2.5)}}, "kind.turn[2].range.upper", "2.5", "[-2, 2]"},
+      {SixDofJoint{.turn = {JointAxis{}, ranged(-2, 0), JointAxis{}}, .turns = SixDofTurns::AnglesXYZ},
+       "kind.turn[1].range.lower", "-2", "[-pi/2, pi/2]"},
       {GearJoint{.ratio = 0}, "kind.ratio", "0", "other than 0"},
       {GearJoint{.ratio = nan}, "kind.ratio", "nan", "finite"},
       {WheelJoint{.suspension = sprung(-2, 1, 0)}, "kind.suspension.spring.hertz", "-2", "above 0"},

@@ -170,6 +170,23 @@ TEST(JointDrift, SixAxesEachAreLockedLimitedOrFree) {
   EXPECT_LT(drift_at(six, {1, 0, 0}, turned(2, Vector3::UnitX())).angle_max, exact);
 }
 
+TEST(JointDrift, AnglesOneAfterAnotherEachAreLockedLimitedOrFree) {
+  SixDofJoint six;
+  six.turn = {JointAxis{.range = {0, 0}}, JointAxis{}, JointAxis{.range = {-0.1, 0.3}}};
+  for (const SixDofTurns turns : {SixDofTurns::AnglesXYZ, SixDofTurns::AnglesXZY}) {
+    six.turns = turns;
+    const auto drift = [&](double x, double z) {
+      const Quaternion y = turned(1.2, Vector3::UnitY()), last = turned(z, Vector3::UnitZ());
+      return drift_at(six, Vector3::Zero(),
+                      turned(x, Vector3::UnitX()) * (turns == SixDofTurns::AnglesXYZ ? y * last : last * y));
+    };
+    EXPECT_LT(drift(0, 0.29).angle_excess_max, exact);
+    EXPECT_NEAR(drift(0.05, 0.4).angle_max, 0.05, exact);
+    EXPECT_NEAR(drift(0.05, 0.4).angle_excess_max, 0.1, exact);
+    EXPECT_NEAR(drift(0, -0.3).angle_excess_max, 0.2, exact);
+  }
+}
+
 TEST(JointDrift, WheelKeepsItsPlaceAndItsAxle) {
   const WheelJoint wheel = {.suspension = {.range = {-0.1, 0.1}, .spring = JointSpring{}}};
   EXPECT_NEAR(drift_at(wheel, {0.03, 0.04, 0.05}).max, 0.05, exact);

@@ -19,7 +19,8 @@ inline constexpr std::array all_coordinates = {
     solver::Coordinate::Swing,    solver::Coordinate::AngleX,      solver::Coordinate::AngleSecondY,
     solver::Coordinate::Steer,    solver::Coordinate::Roll,        solver::Coordinate::SpinX,
     solver::Coordinate::SpinY,    solver::Coordinate::SpinZ,       solver::Coordinate::Orbit,
-    solver::Coordinate::Gear,     solver::Coordinate::Rack};
+    solver::Coordinate::Gear,     solver::Coordinate::Rack,        solver::Coordinate::BetweenZ,
+    solver::Coordinate::BetweenY, solver::Coordinate::AngleXOfZ,   solver::Coordinate::AngleSecondZ};
 
 static_assert(all_coordinates.size() == static_cast<std::size_t>(solver::Coordinate::Rack));
 

@@ -111,6 +111,10 @@ TEST(SceneJointFile, ReadsEveryKind) {
   EXPECT_EQ(six.offset[1].range.upper, unlimited);
   EXPECT_EQ(six.offset[2].range.lower, -1);
   EXPECT_EQ(six.turn[1].range.lower, -0.5);
+  const auto gimbal = std::get<SixDofJoint>(
+      read(arm("six_dof", R"("at": [0, 0, 0], "turns": "angles_xzy", "turn": [{}, {"range": [-3, 3]}, {}])")).def.kind);
+  EXPECT_EQ(gimbal.turns, SixDofTurns::AnglesXZY);
+  EXPECT_EQ(gimbal.turn[1].range.lower, -3);
   const auto gear = std::get<GearJoint>(
       read(arm("gear", R"("axis": [0, 0, 1], "axis_second": [0, 1, 0], "ratio": -2.5, "rack": true)")).def.kind);
   EXPECT_EQ(gear.ratio, -2.5);

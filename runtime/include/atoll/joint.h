@@ -150,15 +150,29 @@ struct ConeTwistJoint {
   bool operator==(const ConeTwistJoint&) const = default;
 };
 
+/// What the three turns of a SixDofJoint are.
+enum class SixDofTurns : std::uint8_t {
+  /// Twice the vector part of the relative quaternion: the axis times twice the sine of half the angle, which is the
+  /// rotation vector in rad to second order (0.4% less at 18 degrees, 10% less at 90), and grows up to half a turn,
+  /// where it is 2. Ends of ranges are in [-2, 2]. What acts along a turn that isn't locked at 0 fades from 151 degrees
+  /// on, and is gone at half a turn, where the turn would change its sign. A motor's speed is that of turning about the
+  /// axis, rad/s, and JointState::speed that of the coordinate.
+  Vector,
+  /// Angles of three hinges, each of which carries the next, rad: about the first frame's x axis, the y axis as turned
+  /// by that, and the z axis as turned by both, which is the second frame's (Cardan angles, a gimbal). The one in the
+  /// middle is in [-pi/2, pi/2], as ends of its range are, and the others are counted over full turns as a hinge's is.
+  /// What acts along those fades within 14 degrees of the ends of the middle one, where the two are about one axis, and
+  /// is gone there.
+  AnglesXYZ,
+  AnglesXZY,  ///< likewise, about x, then z, and then y: turn[2] is the one in the middle
+};
+
 /// Each of six coordinates is locked (a range of equal ends), limited or free: offsets along the axes of the first
-/// frame, m, and turns about them. The turns are twice the vector part of the relative quaternion: the axis times twice
-/// the sine of half the angle, which is the rotation vector in rad to second order (0.4% less at 18 degrees, 10% less
-/// at 90), and grows up to half a turn, where it is 2. Ends of their ranges are in [-2, 2]. What acts along a turn that
-/// isn't locked at 0 fades from 151 degrees on, and is gone at half a turn, where the turn would change its sign. A
-/// motor's speed is that of turning about the axis, rad/s, and JointState::speed that of the coordinate.
+/// frame, m, and turns about them.
 struct SixDofJoint {
   std::array<JointAxis, 3> offset = {};
-  std::array<JointAxis, 3> turn = {};
+  std::array<JointAxis, 3> turn = {};  ///< about x, y and z, in whatever order they follow one another
+  SixDofTurns turns = SixDofTurns::Vector;
 
   bool operator==(const SixDofJoint&) const = default;
 };

@@ -83,8 +83,8 @@ class Mechanism {
   /// joints: see loops().
   ///
   /// Throws Error on a stale id; on a body in quarantine; on a base on which nothing hangs; and on a joint of a kind
-  /// that has other coordinates (ConeTwistJoint, SixDofJoint of which some but not all turns are locked, or one is at
-  /// another value than 0 or has an armature), which it names.
+  /// that has other coordinates (ConeTwistJoint, SixDofJoint with SixDofTurns::Vector of which some but not all turns
+  /// are locked, or one is at another value than 0 or has an armature), which it names.
   Mechanism(World& world, BodyId base);
 
   std::size_t nq() const;

@@ -101,6 +101,7 @@ from ._core import (
     ShapeHit as ShapeHit,
     Simd as Simd,
     SixDofJoint as SixDofJoint,
+    SixDofTurns as SixDofTurns,
     SliderJoint as SliderJoint,
     Snapshot as Snapshot,
     Sphere as Sphere,

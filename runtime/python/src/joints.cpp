@@ -67,11 +67,16 @@ void bind_kinds(nb::module_& module) {
   bind_struct(cone, Field{"swing_limit", &ConeTwistJoint::swing_limit, "rad, in (0, pi), or unlimited"},
               Field{"twist", &ConeTwistJoint::twist, "rad"},
               Field{"swing_friction", &ConeTwistJoint::swing_friction, "N m, >= 0"});
+  nb::enum_<SixDofTurns>(module, "SixDofTurns", "What the turns of a SixDofJoint are.")
+      .value("VECTOR", SixDofTurns::Vector, "Twice the vector part of the relative quaternion.")
+      .value("ANGLES_XYZ", SixDofTurns::AnglesXYZ, "Angles, rad, of three hinges that carry each other, the first first.")
+      .value("ANGLES_XZY", SixDofTurns::AnglesXZY, "Likewise, with the one about z in the middle.");
   nb::class_<SixDofJoint> six(module, "SixDofJoint",
                               "Each of six coordinates is locked, limited or free: offsets along the axes of the first "
-                              "frame, m, and turns about them, twice the vector part of the relative quaternion.");
+                              "frame, m, and turns about them.");
   bind_struct(six, Field{"offset", &SixDofJoint::offset, "three axes"},
-              Field{"turn", &SixDofJoint::turn, "three axes"});
+              Field{"turn", &SixDofJoint::turn, "three axes"},
+              Field{"turns", &SixDofJoint::turns, "what the turns are"});
   nb::class_<GearJoint> gear(module, "GearJoint",
                              "Turns of two bodies about their frames' x axes stay in a ratio: 1 row.");
   bind_struct(gear, Field{"ratio", &GearJoint::ratio, "not 0; rad/m of a rack"},

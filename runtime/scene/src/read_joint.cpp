@@ -139,7 +139,14 @@ JointKind read_cone_twist(const Reader& in) {
 JointKind read_six_dof(const Reader& in) {
   SixDofJoint joint;
   get(in, "offset", joint.offset);
-  get(in, "turn", joint.turn, between(-2, 2));
+  if (const auto turns = in.find("turns")) {
+    joint.turns = static_cast<SixDofTurns>(turns->choice({"vector", "angles_xyz", "angles_xzy"}));
+  }
+  if (joint.turns == SixDofTurns::Vector) {
+    get(in, "turn", joint.turn, between(-2, 2));
+  } else {
+    get(in, "turn", joint.turn);
+  }
   return joint;
 }
 
@@ -190,7 +197,7 @@ Kind read_kind(const Reader& in) {
     case 6:
       return {{"swing_limit", "twist", "swing_friction", "across"}, &read_cone_twist};
     case 7:
-      return {{"offset", "turn", "across"}, &read_six_dof};
+      return {{"offset", "turn", "turns", "across"}, &read_six_dof};
     case 8:
       return {{"ratio", "rack", "axis_second"}, &read_gear};
     case 10:

@@ -270,7 +270,11 @@ struct KindWriter {
     return out;
   }
   Json operator()(const SixDofJoint& six) const {
-    return {{"kind", "six_dof"}, {"offset", json(six.offset)}, {"turn", json(six.turn)}};
+    constexpr std::array turns = {"vector", "angles_xyz", "angles_xzy"};
+    return {{"kind", "six_dof"},
+            {"offset", json(six.offset)},
+            {"turn", json(six.turn)},
+            {"turns", turns.at(static_cast<std::size_t>(six.turns))}};
   }
   Json operator()(const GearJoint& gear) const {
     return {{"kind", "gear"}, {"ratio", gear.ratio}, {"rack", gear.rack}};

@@ -159,7 +159,8 @@ inline constexpr double motor_behind = 1e-5;
 /// Cosine of half the swing below which a twist fades: at 120 degrees. Not tried otherwise.
 inline constexpr double fading_twist = 0.5;
 /// Cosine of half the turn below which a coordinate of turn_about() fades: at 151 degrees, where it is 1.94 of its 2.
-/// Not tried otherwise.
+/// Sine between two hinges below which angles about them fade: 14 degrees before they are parallel, where a row is
+/// 4 times as long. Not tried otherwise.
 inline constexpr double fading_turn = 0.25;
 
 // --- Which islands are solved how

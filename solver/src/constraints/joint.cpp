@@ -17,6 +17,7 @@ bool asks_for_turn(const Joint& joint) {
 }  // namespace
 
 JointRow coordinate_row(Coordinate coordinate, const JointFrames& frames, double ratio) {
+  const AxisPair hinges = hinges_of(coordinate);
   switch (coordinate) {
     case Coordinate::OffsetX:
       return offset_along(frames, 0);
@@ -37,21 +38,23 @@ JointRow coordinate_row(Coordinate coordinate, const JointFrames& frames, double
     case Coordinate::SwingAlongZ:
       return swing_along(frames, 2);
     case Coordinate::SkewXY:
-      return skew_between(frames, 0, 1);
     case Coordinate::SkewZY:
-      return skew_between(frames, 2, 1);
+    case Coordinate::BetweenY:
+      return skew_between(frames, hinges, 1);
+    case Coordinate::BetweenZ:
+      return skew_between(frames, hinges, -1);
     case Coordinate::Twist:
       return twist(frames);
     case Coordinate::Swing:
       return swing(frames);
     case Coordinate::AngleX:
-      return angle_about_first(frames, 0, 1);
-    case Coordinate::AngleSecondY:
-      return angle_about_second(frames, 1, 0);
+    case Coordinate::AngleXOfZ:
     case Coordinate::Steer:
-      return angle_about_first(frames, 2, 1);
+      return angle_about_first(frames, hinges);
+    case Coordinate::AngleSecondY:
+    case Coordinate::AngleSecondZ:
     case Coordinate::Roll:
-      return angle_about_second(frames, 1, 2);
+      return angle_about_second(frames, hinges);
     case Coordinate::Length:
       return {};
     case Coordinate::SpinX:
@@ -97,6 +100,8 @@ LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, d
 void fade(Coordinate coordinate, const JointFrames& frames, bool fades_turn, JointRow& row) {
   if (coordinate == Coordinate::Twist) {
     fade_twist(frames, row);
+  } else if (is_hinged(coordinate)) {
+    fade_angle(frames, hinges_of(coordinate), row);
   } else if (is_turn(coordinate) && fades_turn) {
     fade_turn(frames, axis_of(coordinate, Coordinate::TurnX), row);
   }

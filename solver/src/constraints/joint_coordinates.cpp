@@ -76,13 +76,13 @@ JointRow swing_along(const JointFrames& frames, int axis_second) {
 }
 
 // asin(a . b), of which the cosine is |a x b|.
-JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second) {
-  const Vector3d a = frames.axes_first.col(axis_first);
-  const Vector3d b = frames.axes_second.col(axis_second);
+JointRow skew_between(const JointFrames& frames, AxisPair axes, double sign) {
+  const Vector3d a = frames.axes_first.col(axes.first);
+  const Vector3d b = frames.axes_second.col(axes.second);
   const Vector3d across = b.cross(a);
   const double sine = across.norm();
-  const Vector3d axis = sine > 0 ? Vector3d(across / sine) : Vector3d(frames.axes_first.col((axis_first + 1) % 3));
-  return angular_row(axis, arctangent(a.dot(b), sine));
+  const Vector3d axis = sine > 0 ? Vector3d(across / sine) : Vector3d(frames.axes_first.col((axes.first + 1) % 3));
+  return angular_row(sign * axis, sign * arctangent(a.dot(b), sine));
 }
 
 // For q = (s, v), the relative rotation as a quaternion, the twist is 2 atan2(v_x, s). Its rate is the relative spin's
@@ -162,13 +162,29 @@ JointRow angle_about(const Vector3d& axis, const Vector3d& from, const Vector3d&
 
 }  // namespace
 
-JointRow angle_about_first(const JointFrames& frames, int about, int of) {
-  return angle_about(frames.axes_first.col(about), frames.axes_first.col(of), frames.axes_second.col(of), 1);
+JointRow angle_about_first(const JointFrames& frames, AxisPair hinges) {
+  return angle_about(frames.axes_first.col(hinges.first), frames.axes_first.col(hinges.second),
+                     frames.axes_second.col(hinges.second), 1);
 }
 
 // The second frame's turning is the first's against it, the other way round, and so is its row.
-JointRow angle_about_second(const JointFrames& frames, int about, int of) {
-  return angle_about(frames.axes_second.col(about), frames.axes_second.col(of), frames.axes_first.col(of), -1);
+JointRow angle_about_second(const JointFrames& frames, AxisPair hinges) {
+  return angle_about(frames.axes_second.col(hinges.second), frames.axes_second.col(hinges.first),
+                     frames.axes_first.col(hinges.first), -1);
+}
+
+// The sine is |b x a|, and (a . b)' = (b x a) . w. The row has one over the square of the sine in it.
+void fade_angle(const JointFrames& frames, AxisPair hinges, JointRow& angle) {
+  const Vector3d a = frames.axes_first.col(hinges.first);
+  const Vector3d b = frames.axes_second.col(hinges.second);
+  const Vector3d across = b.cross(a);
+  const double sine = across.norm();
+  const Fading fading(sine, tuning::fading_turn);
+  if (!(sine < tuning::fading_turn)) return;
+  Vector3d row = fading.part * angle.angular_first;
+  if (sine > 0) row -= angle.value * fading.slope * (a.dot(b) / sine) * across;
+  angle = angular_row(row, fading.part * angle.value);
+  angle.share = fading.part;
 }
 
 JointRow spin_about(const JointFrames& frames, int axis) { return angular_row(frames.axes_first.col(axis), 0); }

@@ -122,13 +122,13 @@ HWY_INLINE CoordinateLanes swing_along(const FrameLanes& frames, int axis) {
   return angular(select(has, row, along), hn::IfThenElse(has, hn::Mul(scale, part), splat(axis == 1 ? 2.0f : 0.0f)));
 }
 
-HWY_INLINE CoordinateLanes skew_between(const FrameLanes& frames, int first, int second) {
-  const V3 a = unit(first);
-  const V3& b = frames.second[second];
+HWY_INLINE CoordinateLanes skew_between(const FrameLanes& frames, AxisPair axes, float sign) {
+  const V3 a = unit(axes.first);
+  const V3& b = frames.second[axes.second];
   const V3 across = cross(b, a);
   const V sine = length(across);
-  return angular(select(hn::Gt(sine, zero()), over(across, sine), unit((first + 1) % 3)),
-                 arctangent(component(b, first), sine));
+  const V3 axis = select(hn::Gt(sine, zero()), over(across, sine), unit((axes.first + 1) % 3));
+  return angular(splat(sign) * axis, hn::Mul(splat(sign), arctangent(component(b, axes.first), sine)));
 }
 
 HWY_INLINE V3 swing_axis(const FrameLanes& frames, V& sine) {
@@ -195,6 +195,24 @@ HWY_INLINE CoordinateLanes angle_about(const V3& axis, const V3& from, const V3&
   return angular(select(has, row, axis), hn::IfThenElseZero(has, hn::Mul(splat(sign), arctangent(sine, cosine))));
 }
 
+// `angle` counts from `base`, and fades as a whole.
+HWY_INLINE void fade_angle(const FrameLanes& frames, AxisPair hinges, V base, CoordinateLanes& angle) {
+  constexpr float from = static_cast<float>(tuning::fading_turn);
+  const V3& b = frames.second[hinges.second];
+  const V3 across = cross(b, unit(hinges.first));
+  const V s = hn::Mul(length(across), splat(1 / from));
+  const M fades = hn::Lt(s, splat(1));
+  const V part = hn::Mul(hn::Mul(s, s), hn::Sub(splat(3), hn::Add(s, s)));
+  // The slope of the part over the sine.
+  const V slope = hn::Mul(hn::Sub(splat(1), s), splat(6 / (from * from)));
+  const V cosine = component(b, hinges.first);
+  const V whole = hn::Add(angle.value, base);
+  const V3 row = part * angle.first - hn::Mul(hn::Mul(whole, slope), cosine) * across;
+  angle.first = angle.second = select(fades, row, angle.first);
+  angle.value = hn::IfThenElse(fades, hn::Sub(hn::Mul(part, whole), base), angle.value);
+  angle.share = hn::IfThenElse(fades, part, angle.share);
+}
+
 HWY_INLINE CoordinateLanes offset_along(const FrameLanes& frames, int axis) {
   const V3& a = frames.axes[axis];
   return {a, cross(frames.point.arm_first + frames.offset, a), cross(frames.point.arm_second, a), dot(a, frames.offset),
@@ -216,6 +234,7 @@ HWY_INLINE CoordinateLanes geared(const FrameLanes& frames, V ratio, bool slides
 
 // One coordinate in all lanes. Offsets and distances are in world axes.
 HWY_INLINE CoordinateLanes coordinate_in_lanes(Coordinate coordinate, const FrameLanes& frames, V ratio) {
+  const AxisPair hinges = hinges_of(coordinate);
   switch (coordinate) {
     case Coordinate::OffsetX:
     case Coordinate::OffsetY:
@@ -231,21 +250,23 @@ HWY_INLINE CoordinateLanes coordinate_in_lanes(Coordinate coordinate, const Fram
     case Coordinate::SwingAlongZ:
       return swing_along(frames, coordinate == Coordinate::SwingAlongY ? 1 : 2);
     case Coordinate::SkewXY:
-      return skew_between(frames, 0, 1);
     case Coordinate::SkewZY:
-      return skew_between(frames, 2, 1);
+    case Coordinate::BetweenY:
+      return skew_between(frames, hinges, 1);
+    case Coordinate::BetweenZ:
+      return skew_between(frames, hinges, -1);
     case Coordinate::Twist:
       return twist(frames);
     case Coordinate::Swing:
       return swing(frames);
     case Coordinate::AngleX:
-      return angle_about(unit(0), unit(1), frames.second[1], 1);
-    case Coordinate::AngleSecondY:
-      return angle_about(frames.second[1], frames.second[0], unit(0), -1);
+    case Coordinate::AngleXOfZ:
     case Coordinate::Steer:
-      return angle_about(unit(2), unit(1), frames.second[1], 1);
+      return angle_about(unit(hinges.first), unit(hinges.second), frames.second[hinges.second], 1);
+    case Coordinate::AngleSecondY:
+    case Coordinate::AngleSecondZ:
     case Coordinate::Roll:
-      return angle_about(frames.second[1], frames.second[2], unit(2), -1);
+      return angle_about(frames.second[hinges.second], frames.second[hinges.first], unit(hinges.first), -1);
     case Coordinate::SpinX:
     case Coordinate::SpinY:
     case Coordinate::SpinZ:

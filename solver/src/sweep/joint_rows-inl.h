@@ -151,6 +151,7 @@ HWY_INLINE CoordinateLanes find_coordinate(const FrameLanes& frames, V ratio, V 
     CoordinateLanes one = coordinate_in_lanes(coordinate, frames, ratio);
     const V one_position = continued(coordinate, one.value, before, travel);
     one.value = one_position;
+    if (is_hinged(coordinate)) fade_angle(frames, hinges_of(coordinate), base, one);
     if (coordinate == Coordinate::Twist) {
       one.value = hn::Add(one_position, base);
       fade_twist(frames, one);

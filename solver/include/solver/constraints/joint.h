@@ -25,10 +25,14 @@ enum class Coordinate : std::uint8_t {
   SwingAlongZ,
   SkewXY,  ///< by which the first x and the second y axis fall short of a right angle
   SkewZY,
-  Twist,  ///< about the x axes
+  BetweenZ,  ///< SkewXY the other way: of three turns about x, z and y one after another, the one about z
+  BetweenY,  ///< of three turns about x, y and z, the one about y
+  Twist,     ///< about the x axes
   Swing,
   AngleX,        ///< about the first x axis, of the second y axis
   AngleSecondY,  ///< about the second y axis, of the first x axis
+  AngleXOfZ,     ///< about the first x axis, of the second z axis
+  AngleSecondZ,  ///< about the second z axis, of the first x axis
   Steer,         ///< about the first z axis, of the second y axis
   Roll,          ///< about the second y axis, of the first z axis
   Length,        ///< of a tendon, the sum of its terms: see tendon.h
@@ -42,10 +46,16 @@ enum class Coordinate : std::uint8_t {
 
 /// Tells parts of the relative quaternion, as which a turn is locked or limited.
 constexpr bool is_turn(Coordinate of) { return of >= Coordinate::TurnX && of <= Coordinate::TurnZ; }
-/// Tells angles that go on over full turns.
-constexpr bool counts_turns(Coordinate of) {
-  return of == Coordinate::Twist || (of >= Coordinate::AngleX && of <= Coordinate::Roll);
+/// The axes of the two hinges, of a coordinate from SkewXY to BetweenY or from AngleX to Roll.
+constexpr AxisPair hinges_of(Coordinate of) {
+  const bool from_z = of == Coordinate::SkewZY || of == Coordinate::Steer || of == Coordinate::Roll;
+  const bool to_z = of == Coordinate::BetweenY || of == Coordinate::AngleXOfZ || of == Coordinate::AngleSecondZ;
+  return {from_z ? 2 : 0, to_z ? 2 : 1};
 }
+/// Tells angles about one of two hinges, of which the other one can come to lie along it.
+constexpr bool is_hinged(Coordinate of) { return of >= Coordinate::AngleX && of <= Coordinate::Roll; }
+/// Tells angles that go on over full turns.
+constexpr bool counts_turns(Coordinate of) { return of == Coordinate::Twist || is_hinged(of); }
 /// Tells what has a rate only, and no value.
 constexpr bool is_rate(Coordinate of) { return of >= Coordinate::SpinX; }
 /// Tells rates that are summed up over the substeps.
@@ -176,9 +186,10 @@ struct LawRow {
 };
 
 /// One row of a joint at the given frames, the coordinate's position before given. It is that of the coordinate, but
-/// fades where the coordinate has no value: a twist where the x axes are nearly opposed, and a turn that is not locked
-/// at zero near a half turn. There one would change without end, and the other from one sign to the other, and springs
-/// and ranges along them would get energy from nowhere. What fades is a smooth function of the pose all the same, so a
+/// fades where the coordinate has no value: a twist where the x axes are nearly opposed, the angle of a hinge where the
+/// other one is nearly along it, and a turn that is not locked at zero near a half turn. There the first two would
+/// change without end, and the other from one sign to the other, and springs and ranges along them would get energy
+/// from nowhere. What fades is a smooth function of the pose all the same, so a
 /// spring on it keeps energy.
 LawRow law_row(const Joint& joint, std::size_t row, const JointFrames& frames, double before);
 

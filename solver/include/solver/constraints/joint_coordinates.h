@@ -45,6 +45,11 @@ struct JointFrames {
   void set_turn(const Eigen::Quaterniond& first, const Eigen::Quaterniond& second);  ///< from the frames' orientations
 };
 
+/// Two axes, one of each frame.
+struct AxisPair {
+  int first, second;
+};
+
 /// The offset along axis `axis` of the first frame, m.
 JointRow offset_along(const JointFrames& frames, int axis);
 
@@ -61,9 +66,10 @@ JointRow turn_about(const JointFrames& frames, int axis);
 /// where just so, the first of them is. (Cosines of an x axis against the other y and z axes are zero there, too.)
 JointRow swing_along(const JointFrames& frames, int axis_second);
 
-/// Angle by which an axis of the first and one of the second frame fall short of a right angle, rad in [-pi/2, pi/2].
-/// If the two are parallel the row has no direction of its own, and is taken about the first frame's next axis.
-JointRow skew_between(const JointFrames& frames, int axis_first, int axis_second);
+/// Angle by which an axis of the first and one of the second frame fall short of a right angle, rad in [-pi/2, pi/2],
+/// times `sign`. Of three turns, each about an axis at right angles to the one before, it is the one in the middle. If
+/// the two are parallel the row has no direction of its own, and is taken about the first frame's next axis.
+JointRow skew_between(const JointFrames& frames, AxisPair axes, double sign);
 
 /// Angle of the twist of the second frame about the x axes, rad in (-pi, pi], and of the swing between the x axes, rad
 /// in [0, pi]: the relative rotation as a twist about x and then a swing about an axis across it (Dobrowolski,
@@ -80,14 +86,18 @@ void fade_twist(const JointFrames& frames, JointRow& twist);
 /// with s the cosine of half the turn by tuning::fading_turn.
 void fade_turn(const JointFrames& frames, int axis, JointRow& turn);
 
-/// Angle about axis `about` of the first frame by which axis `of` of the second has turned from that of the first, rad
-/// in (-pi, pi]: of a cross of two hinges, whose axes these two are. Where they are parallel it has no value: then 0,
-/// and the row is about the first of them.
-JointRow angle_about_first(const JointFrames& frames, int about, int of);
+/// Angle about the first of two hinges, an axis of the first frame, by which the other one has turned from where the
+/// first frame has that axis, rad in (-pi, pi]. Where the two are parallel it has no value: then 0, and the row is about
+/// the first of them.
+JointRow angle_about_first(const JointFrames& frames, AxisPair hinges);
 
-/// Angle about axis `about` of the second frame by which axis `of` of the second has turned from that of the first,
-/// likewise.
-JointRow angle_about_second(const JointFrames& frames, int about, int of);
+/// Angle about the second of two hinges, an axis of the second frame, by which that frame's own axis has turned from
+/// the first hinge, likewise.
+JointRow angle_about_second(const JointFrames& frames, AxisPair hinges);
+
+/// Fades the angle about one of two hinges to 0 where they are parallel. The factor is that of fade_twist(), with s the
+/// sine between them by tuning::fading_turn. Its value may be continued over full turns.
+void fade_angle(const JointFrames& frames, AxisPair hinges, JointRow& angle);
 
 /// Rate of turning about an axis of the first frame, rad/s: of no coordinate, so the value is 0.
 JointRow spin_about(const JointFrames& frames, int axis);
