@@ -167,8 +167,8 @@ class Atoll:
         self.servos, self.scales = [], []
         self.batch: atoll.Batch | None = None
         for actuator in self.robot.actuators:
-            joint = actuator.tendon if actuator.tendon >= 0 else self.robot.coordinates[actuator.coordinate].joint
-            self.servos.append(atoll.ServoTarget(joint))
+            of = None if actuator.tendon >= 0 else self.robot.coordinates[actuator.coordinate]
+            self.servos.append(atoll.ServoTarget(of.joint, of.axis) if of else atoll.ServoTarget(actuator.tendon))
             per_force = 1 / (actuator.stiffness or stiffness[actuator.coordinate])
             self.scales.append((actuator.gain * per_force, actuator.bias * per_force, *actuator.range))
 

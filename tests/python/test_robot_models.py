@@ -60,8 +60,15 @@ def frame(pose: atoll.Pose) -> Floats:
     return transform(pose.position, matrix(np.roll(pose.orientation, 1)))
 
 
-def moved(kind: object, values: Floats) -> Floats:
-    """Of the second frame of a joint in the first."""
+def moved(kind: object, values: Floats, axes: list[int]) -> Floats:
+    """Of the second frame of a joint in the first. axes: those of its coordinates that the model has, if it has angles."""
+    if isinstance(kind, atoll.SixDofJoint) and kind.turns != atoll.SixDofTurns.VECTOR:
+        after = np.eye(4)
+        for value, axis in zip(values, axes, strict=False):
+            along = np.eye(3)[axis % 3]
+            turn = np.array([np.cos(value / 2), *(np.sin(value / 2) * along)])
+            after = after @ (transform([0, 0, 0], matrix(turn)) if axis >= 3 else transform(value * along, np.eye(3)))
+        return after
     if isinstance(kind, atoll.HingeJoint):
         return transform([0, 0, 0], matrix(np.array([np.cos(values[0] / 2), np.sin(values[0] / 2), 0, 0])))
     if isinstance(kind, atoll.SliderJoint):
@@ -78,10 +85,14 @@ class Kinematics:
         self.joints = []
         reached: set[int] = set()
         for joint in robot.scene.joints:
-            if joint.name in self.places and joint.second not in reached:
+            name = joint.name.split(", ")[0]
+            if name in self.places and joint.second not in reached:
                 reached.add(joint.second)
                 ends = frame(joint.definition.frame_first), np.linalg.inv(frame(joint.definition.frame_second))
-                self.joints.append((joint.first, joint.second, self.places[joint.name], joint.definition.kind, *ends))
+                axes = [of.axis for of in robot.coordinates if robot.scene.joints[of.joint].name == joint.name]
+                self.joints.append(
+                    (joint.first, joint.second, self.places[name], axes, joint.definition.kind, *ends)
+                )
 
     def error(self, data: Any) -> float:
         """m or a cosine, the most of any body, of those that joints carry."""
@@ -89,8 +100,9 @@ class Kinematics:
         wanted = dict(poses)
         anchor = np.eye(4)
         worst = 0.0
-        for first, second, place, kind, before, after in self.joints:
-            poses[second] = poses.get(first, anchor) @ before @ moved(kind, data.qpos[place : place + 4]) @ after
+        for first, second, place, axes, kind, before, after in self.joints:
+            values = data.qpos[place : place + max(len(axes), 4)]
+            poses[second] = poses.get(first, anchor) @ before @ moved(kind, values, axes) @ after
             if second in wanted:
                 worst = max(worst, float(np.abs(poses[second] - wanted[second]).max()))
         return worst
@@ -100,6 +112,15 @@ def roots_of(model: Compiled, robot: atoll.Robot) -> dict[int, int]:
     """The model's bodies that others are welded to, by their places in the scene."""
     moving = [body for body in range(1, model.arrays.nbody) if model.arrays.body_weldid[body] == body]
     return {robot.bodies[model.name("BODY", body)]: body for body in moving}
+
+
+def between(robot: atoll.Robot, place: int) -> int:
+    """Bodies that carry it and aren't of the model."""
+    carriers, own = {joint.second: joint.first for joint in robot.scene.joints}, set(robot.bodies.values())
+    place, count = carriers.get(place, -1), 0
+    while place in carriers and place not in own:
+        place, count = carriers[place], count + 1
+    return count
 
 
 def check_masses(model: Any, roots: dict[int, int], robot: atoll.Robot) -> None:
@@ -118,7 +139,7 @@ def check_masses(model: Any, roots: dict[int, int], robot: atoll.Robot) -> None:
             inertia += axes @ np.diag(model.body_inertia[n]) @ axes.T
             inertia += model.body_mass[n] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         turn = data.xmat[body].reshape(3, 3)
-        share = 1 - 1e-3 * max(model.body_jntnum[body] - 1, 0)  # the rest is in bodies between its joints
+        share = 1 - 1e-3 * between(robot, place)
         definition = world.definition(world.bodies[place])
         assert definition.inertia is not None and definition.centre_of_mass is not None
         assert world.mass(world.bodies[place]) == pytest.approx(share * mass, rel=1e-9)

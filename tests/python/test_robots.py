@@ -201,7 +201,7 @@ def test_a_start_beyond_a_range_or_in_another_shape_is_told() -> None:
 def test_nothing_is_dropped_without_a_line() -> None:
     robot = atoll.load_mjcf("""
     <mujoco model="odds"><worldbody><site name="eye" pos="0 0 1"/>
-      <body name="x"><joint name="j"/><joint name="k" axis="0 1 0"/><geom name="g" size=".1"/><site name="s"/></body>
+      <body name="x"><joint name="j"/><joint name="k" axis="0 1 1"/><geom name="g" size=".1"/><site name="s"/></body>
       <body name="y" pos="1 0 0"><joint name="l" type="ball" damping="1"/><geom size=".1"/></body>
     </worldbody>
     <tendon><spatial name="t"><site site="eye"/><site site="s"/></spatial>

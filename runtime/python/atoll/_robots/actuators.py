@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from .. import _core
+from .axes import axis_of, with_axis
 from .compiled import Compiled
 from .robot import Actuator, Robot
 from .tendons import Tendons
@@ -38,8 +39,8 @@ class Actuators:
                 continue
             actuator = self._actuator(number, name, place)
             self.robot.actuators.append(actuator)
-            at = place if actuator.tendon >= 0 else self.robot.coordinates[place].joint
-            self._drive(joints[at], actuator, name)
+            of = None if actuator.tendon >= 0 else self.robot.coordinates[place]
+            self._drive(joints[of.joint if of else place], of.axis if of else 0, actuator, name)
         self.robot.scene.joints = joints
 
     def _on_tendon(self, number: int) -> bool:
@@ -92,17 +93,12 @@ class Actuators:
             range=controls,
         )
 
-    def _drive(self, joint: _core.SceneJoint, actuator: Actuator, name: str) -> None:
+    def _drive(self, joint: _core.SceneJoint, coordinate: int, actuator: Actuator, name: str) -> None:
         if actuator.kind == "force":
             self.model.receipt.taken_as("actuator", name, "a force that Robot.control() gives to each step")
             return
         definition = joint.definition
-        kind = definition.kind
-        assert isinstance(kind, (_core.HingeJoint, _core.SliderJoint, _core.TendonJoint))
-        if isinstance(kind, _core.TendonJoint):
-            axis = kind.length
-        else:
-            axis = kind.angle if isinstance(kind, _core.HingeJoint) else kind.offset
+        axis = axis_of(definition.kind, coordinate)
         if axis.motor is not None:
             self.model.receipt.left_out("actuator", name, "another one has its joint, or tendon")
             return
@@ -113,8 +109,5 @@ class Actuators:
             damping=actuator.damping,
         )
         axis.motor = _core.JointMotor(max_force=actuator.limit, servo=servo)
-        if isinstance(kind, _core.TendonJoint):
-            definition.kind = _core.TendonJoint(kind.terms, axis)
-        else:
-            definition.kind = _core.HingeJoint(axis) if isinstance(kind, _core.HingeJoint) else _core.SliderJoint(axis)
+        definition.kind = with_axis(definition.kind, coordinate, axis)
         joint.definition = definition

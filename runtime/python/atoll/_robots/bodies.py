@@ -7,12 +7,13 @@ import numpy as np
 from .. import _core
 from .compiled import Compiled, xyzw
 from .filters import ALL, Filters
+from .groups import groups_of
 from .joints import Joints
 from .quaternions import Floats
 from .shapes import Shapes
 
 _BEAD = 0.01  # m, of bodies that nothing touches
-_BETWEEN = 1e-3  # of a body's mass, for each body between it and the one that carries it
+_BETWEEN = 1e-3  # of a body's mass, for each body between it and the one that carries it, where joints are no group
 
 
 class Bodies:
@@ -68,14 +69,15 @@ class Bodies:
             for j in range(first_joint, first_joint + count)
             if int(m.jnt_type[j]) != self.model.mujoco.mjtJoint.mjJNT_FREE
         ]
+        parts = list(groups_of(self.model, own))
         if m.body_mocapid[body] >= 0 or mass == 0:
             definition.type = _core.BodyType.KINEMATIC
             self.model.receipt.taken_as("body", name, "a kinematic one: it has no mass")
         else:
-            self._give_mass(definition, (1 - _BETWEEN * max(len(own) - 1, 0)) * mass, centre, inertia / mass)
+            self._give_mass(definition, (1 - _BETWEEN * max(len(parts) - 1, 0)) * mass, centre, inertia / mass)
             definition.gravity_scale = 1 - float(m.body_gravcomp[body])
         below = self.place_of(m.body_parentid[body]) if own else -1
-        for joint in own[:-1]:
+        for part in parts[:-1]:
             between = _core.BodyDef(
                 shape=_core.Sphere(_BEAD),
                 position=definition.position,
@@ -84,14 +86,14 @@ class Bodies:
             )
             self._give_mass(between, _BETWEEN * mass, centre, inertia / mass)
             self.scene.append(_core.SceneBody(definition=between))
-            self.joints.add(joint, body, below, len(self.scene) - 1)
+            name_of = self.joints.add(part, body, below, len(self.scene) - 1)
             note = f"a joint to a body of {_BETWEEN * mass:.3g} kg of {name}'s own that carries the next"
-            self.model.receipt.taken_as("joint", self.model.name("JOINT", joint), note)
+            self.model.receipt.taken_as("joint", name_of, note)
             below = len(self.scene) - 1
         self.scene.append(_core.SceneBody(name=name, definition=definition))
         self.places[body] = len(self.scene) - 1
-        if own:
-            self.joints.add(own[-1], body, below, len(self.scene) - 1)
+        if parts:
+            self.joints.add(parts[-1], body, below, len(self.scene) - 1)
 
     @staticmethod
     def _give_mass(definition: _core.BodyDef, mass: float, centre: Floats, per_mass: Floats) -> None:

@@ -9,9 +9,11 @@ import numpy as np
 from .. import _core
 from .compiled import Compiled, xyzw
 from .filters import Filters
-from .quaternions import Floats, inverse, product, turn_to, turned
+from .groups import Group
+from .quaternions import inverse, product, turn_to, turned
 from .robot import Coordinate
 
+Kind = _core.BallJoint | _core.SixDofJoint | _core.HingeJoint | _core.SliderJoint
 _FAR = 1e15  # m or rad, from which on an end of a range is none: as far as coordinates are computed with
 _TURNS = (
     "springs, dampers and a range about three axes, of twice the sine of half the angle: "
@@ -27,15 +29,57 @@ class Joints:
         self.scene: list[_core.SceneJoint] = []
         self.coordinates: list[Coordinate] = []
 
-    def add(self, joint: int, body: int, first: int, second: int) -> None:
-        """Between bodies at these places of the scene, of which the second is to be carried."""
+    def add(self, part: Group | int, body: int, first: int, second: int) -> str:
+        """Between bodies at these places of the scene, of which the second is to be carried. Returns its name."""
+        of, at_first, at_second = self._joined(part, body) if isinstance(part, Group) else self._single(part, body)
+        m = self.model.arrays
+
+        def frame(place: int, pose: _core.Pose) -> _core.Pose:
+            body_def = self.bodies[place].definition
+            back = inverse(body_def.orientation)
+            at = turned(back, pose.position - np.asarray(body_def.position))
+            return _core.Pose(at, product(back, pose.orientation))
+
+        definition = _core.JointDef(
+            kind=of,
+            frame_first=frame(first, at_first),
+            frame_second=frame(second, at_second),
+            # The world may be touched by a body that a joint holds to it.
+            collide=self.filters.parents_touch or int(m.body_weldid[m.body_parentid[body]]) == 0,
+        )
+        joints = part.joints if isinstance(part, Group) else [part]
+        name = ", ".join(self.model.name("JOINT", joint) for joint in joints)
+        self.scene.append(_core.SceneJoint(name=name, definition=definition, first=first, second=second))
+        return name
+
+    def _joined(self, group: Group, body: int) -> tuple[_core.SixDofJoint, _core.Pose, _core.Pose]:
+        """The joint that a group makes, and its two frames in the world."""
+        m, data, hinge = self.model.arrays, self.model.data, int(self.model.mujoco.mjtJoint.mjJNT_HINGE)
+        axes = [_core.JointAxis(range=_core.JointRange(0, 0)) for _ in range(6)]
+        turn, anchor, slid = np.zeros(4), np.array(data.xpos[body]), np.zeros(3)
+        self.model.mujoco.mju_mat2Quat(turn, group.axes.flatten())
+        for joint, coordinate in zip(group.joints, group.coordinates, strict=True):
+            name, value = self.model.name("JOINT", joint), float(data.qpos[m.jnt_qposadr[joint]])
+            axes[coordinate] = self._axis(joint, name, value)
+            if int(m.jnt_type[joint]) == hinge:
+                anchor = np.array(data.xanchor[joint])
+                self.coordinates.append(Coordinate(name, len(self.scene), "hinge", axis=coordinate))
+            else:
+                slid += value * np.array(data.xaxis[joint])
+                self.coordinates.append(Coordinate(name, len(self.scene), "slide", axis=coordinate))
+        at_rest = product(xyzw(data.xquat[m.body_parentid[body]]), xyzw(m.body_quat[body]))
+        first = _core.Pose(anchor - slid, product(at_rest, xyzw(turn)))
+        second = _core.Pose(anchor, product(xyzw(data.xquat[body]), xyzw(turn)))
+        return _core.SixDofJoint(axes[:3], axes[3:], group.turns), first, second
+
+    def _single(self, joint: int, body: int) -> tuple[Kind, _core.Pose, _core.Pose]:
         m, kinds = self.model.arrays, self.model.mujoco.mjtJoint
         name, kind = self.model.name("JOINT", joint), int(m.jnt_type[joint])
         anchor, axis = np.array(self.model.data.xanchor[joint]), np.array(self.model.data.xaxis[joint])
         value = float(self.model.data.qpos[m.jnt_qposadr[joint]])
         turn = turn_to(axis)
-        at_first, at_second, turn_second = anchor, anchor, turn
-        of: _core.BallJoint | _core.SixDofJoint | _core.HingeJoint | _core.SliderJoint
+        at_first, turn_second = anchor, turn
+        of: Kind
         if kind == kinds.mjJNT_BALL:
             of = self._ball(joint, name)
             turn_second = xyzw(self.model.data.xquat[body])
@@ -49,20 +93,7 @@ class Joints:
             of = _core.SliderJoint(self._axis(joint, name, value))
             at_first = anchor - value * axis
             self.coordinates.append(Coordinate(name, len(self.scene), "slide"))
-
-        def frame(place: int, position: Floats, orientation: Floats) -> _core.Pose:
-            body_def = self.bodies[place].definition
-            back = inverse(body_def.orientation)
-            return _core.Pose(turned(back, position - np.asarray(body_def.position)), product(back, orientation))
-
-        definition = _core.JointDef(
-            kind=of,
-            frame_first=frame(first, at_first, turn),
-            frame_second=frame(second, at_second, turn_second),
-            # The world may be touched by a body that a joint holds to it.
-            collide=self.filters.parents_touch or int(m.body_weldid[m.body_parentid[body]]) == 0,
-        )
-        self.scene.append(_core.SceneJoint(name=name, definition=definition, first=first, second=second))
+        return of, _core.Pose(at_first, turn), _core.Pose(anchor, turn_second)
 
     def _ball(self, joint: int, name: str) -> _core.BallJoint | _core.SixDofJoint:
         m, dof, place = (

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
+from .axes import direction
 from .quaternions import Floats, turned
 from .receipt import Receipt
 from .sensors import Frame, Sensor, read
@@ -22,6 +23,7 @@ class Coordinate:
     name: str
     joint: int  #: the joint's place in the scene
     kind: Literal["hinge", "slide"]
+    axis: int = 0  #: which of that joint's coordinates it is, as World.joint_axis() has them
     max_force: float = math.inf  #: N or N m, as a URDF's effort; nothing holds the joint to it
     max_speed: float = math.inf  #: m/s or rad/s, as a URDF's velocity; nothing holds the joint to it
 
@@ -73,8 +75,7 @@ class Robot:
 
         What hangs on the world is one tree, with all that does; a tree with a free base is one by itself. body: any
         body of the tree that is meant; by default the tree of the first joint, or the first body that moves. Raises
-        Error on a body that the model hasn't, and where nothing moves. Where the model has several joints in one body,
-        a thousandth of that body's mass is at each of the others: dynamics differ by that.
+        Error on a body that the model hasn't, and where nothing moves.
         """
         carriers = {joint.second: joint.first for joint in self.scene.joints}
         moving = [place for place in self.bodies.values() if self._moves(place)]
@@ -101,15 +102,16 @@ class Robot:
         ids = world.joints
         for actuator, value in zip(self.actuators, values, strict=True):
             on_tendon = actuator.tendon >= 0
-            joint = ids[actuator.tendon if on_tendon else self.coordinates[actuator.coordinate].joint]
+            of = None if on_tendon else self.coordinates[actuator.coordinate]
+            joint, axis = ids[of.joint if of else actuator.tendon], of.axis if of else 0
             force = actuator.gain * float(np.clip(value, *actuator.range)) + actuator.bias
             if actuator.kind == "position":
-                world.set_servo_target(joint, force / actuator.stiffness)
+                world.set_servo_target(joint, force / actuator.stiffness, axis)
             elif actuator.kind == "velocity":
-                world.set_motor_speed(joint, force / actuator.damping)
+                world.set_motor_speed(joint, force / actuator.damping, axis)
             else:
                 push = float(np.clip(force, -actuator.limit, actuator.limit))
-                self._push(world, joint, push)
+                self._push(world, joint, axis, push)
 
     def motion(self, world: _core.World) -> Floats:
         """m/s, shape (accelerometers, 3), of the places of accelerometers: for a later read()."""
@@ -144,22 +146,22 @@ class Robot:
 
     def _states(self, world: _core.World, what: str) -> Floats:
         ids = world.joints
-        states: list[Any] = [getattr(world.joint_state(ids[c.joint]), what)[0] for c in self.coordinates]
+        states: list[Any] = [getattr(world.joint_state(ids[c.joint]), what)[c.axis] for c in self.coordinates]
         return np.array(states, dtype=np.float64)
 
-    def _push(self, world: _core.World, joint: _core.JointId, push: float) -> None:
+    def _push(self, world: _core.World, joint: _core.JointId, axis: int, push: float) -> None:
         """Along a coordinate, N or N m: on the second body, and against it on the first. Of a linear tendon along all."""
         definition = world.joint(joint)
         if isinstance(definition.kind, _core.TendonJoint):
             for term in definition.kind.terms:
-                self._push(world, term.joint, push * term.polynomial[1])
+                self._push(world, term.joint, term.coordinate, push * term.polynomial[1])
             return
         first, second = world.pose(definition.first), world.pose(definition.second)
-        axis = push * turned(np.asarray(first.orientation), turned(definition.frame_first.orientation, [1, 0, 0]))
-        if isinstance(definition.kind, _core.HingeJoint):
-            world.apply_force(definition.second, [0, 0, 0], axis)
-            world.apply_force(definition.first, [0, 0, 0], -axis)
+        along = push * direction(definition, axis, first, second)
+        if isinstance(definition.kind, _core.HingeJoint) or axis >= 3:
+            world.apply_force(definition.second, [0, 0, 0], along)
+            world.apply_force(definition.first, [0, 0, 0], -along)
             return
         at = np.asarray(second.position) + turned(np.asarray(second.orientation), definition.frame_second.position)
-        for body, force in ((definition.second, axis), (definition.first, -axis)):
+        for body, force in ((definition.second, along), (definition.first, -along)):
             world.apply_force(body, force, np.cross(at - np.asarray(world.centre_of_mass(body)), force))

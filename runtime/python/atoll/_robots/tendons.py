@@ -90,12 +90,16 @@ class Tendons:
         scene = self.bodies.joints.scene
         if not 0 < len(parts) <= _MOST_TERMS:
             return f"it runs over {len(parts)} joints; tendons of a scene over 1 to {_MOST_TERMS}"
-        places = {c.name: c.joint for c in self.bodies.joints.coordinates}
+        coordinates = {c.name: c for c in self.bodies.joints.coordinates}
         joints = [self.model.name("JOINT", joint) for joint, _ in parts]
-        if any(joint not in places for joint in joints):
+        if any(joint not in coordinates for joint in joints):
             return "one of its joints is a ball, or free, or couldn't be read"
-        terms = [_core.TendonTerm(polynomial=list(np.pad(f, (0, 5 - len(f))))) for _, f in parts]
-        of = scene[places[joints[0]]]
+        over = [coordinates[joint] for joint in joints]
+        terms = [
+            _core.TendonTerm(coordinate=c.axis, polynomial=list(np.pad(f, (0, 5 - len(f)))))
+            for c, (_, f) in zip(over, parts, strict=True)
+        ]
+        of = scene[over[0].joint]
         definition = _core.JointDef(kind=_core.TendonJoint(terms, axis), collide=True)
         scene.append(
             _core.SceneJoint(
@@ -103,7 +107,7 @@ class Tendons:
                 definition=definition,
                 first=of.first,
                 second=of.second,
-                terms=[places[joint] for joint in joints],
+                terms=[c.joint for c in over],
             )
         )
         return ""

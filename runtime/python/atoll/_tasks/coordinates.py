@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._robots.quaternions import Floats, cross, inverse, product, turned
-from .._robots.robot import Robot
+from .._robots.robot import Coordinate, Robot
 
 
 @dataclasses.dataclass
@@ -39,39 +39,33 @@ class State:
 class Coordinates:
     """Reads and sets q and v, shapes (worlds, nq) and (worlds, nv), of a robot with a root that moves.
 
-    The root comes first. Where it is free: position, quaternion w, x, y, z, velocity of the origin, and angular velocity
-    in the axes of the root. In a plane: x, z, the angle about y, and their rates; the angle is counted over full turns
-    from read() to read(), between which it may turn by less than half of one. The joints follow in the model's order, m
-    or rad and m/s or rad/s.
+    A free root comes first: position, quaternion w, x, y, z, velocity of the origin, and angular velocity in the axes of
+    the root. The joints follow in the model's order, m or rad and m/s or rad/s. The root's own are the first of these
+    where it moves in a plane: x, z, and the angle about y. It is counted over full turns from read() to read(), between
+    which it may turn by less than half of one.
     """
 
-    def __init__(self, robot: Robot, root: int, start: Floats | None = None) -> None:
-        """root: its place in the scene. start: x and z of q where the scene starts; None if the root is free."""
-        self.bodies, self.root = robot.scene.bodies, root
-        self.places = [of.joint for of in robot.coordinates]
-        self.joints = [robot.scene.joints[place] for place in self.places]
+    def __init__(self, robot: Robot, root: int, planar: bool) -> None:
+        """root: its place in the scene."""
+        self.bodies, self.root, self.planar = robot.scene.bodies, root, planar
+        self.of = robot.coordinates
+        self.places, self.axes = [of.joint for of in self.of], [of.axis for of in self.of]
+        self.joints = robot.scene.joints
         self.centres = np.array([_centre_of(body.definition) for body in self.bodies])
-        self.planar = start is not None
-        at = np.asarray(self.bodies[root].definition.position)
-        self._shift = np.zeros(2) if start is None else at[[0, 2]] - start
         self._angles = np.zeros(0)  # rad, that were read last
 
     def read(self, batch: _core.Batch) -> State:
         origins, angular = batch.origins, batch.angular_velocities
         velocities = batch.velocities + cross(angular, origins - batch.positions)
         motion = Motion(origins, batch.orientations, velocities, angular)
-        position, turn = origins[:, self.root], motion.orientations[:, self.root]
-        velocity, spin = velocities[:, self.root], angular[:, self.root]
+        q, v = batch.joint_positions[:, self.places, self.axes], batch.joint_speeds[:, self.places, self.axes]
         if self.planar:
-            angles = self._count_turns(2 * np.arctan2(turn[:, 1], turn[:, 3]))
-            q = [position[:, [0, 2]] - self._shift, angles[:, None]]
-            v = [velocity[:, [0, 2]], spin[:, [1]]]
-        else:
-            q = [position, np.roll(turn, 1, axis=-1)]
-            v = [velocity, turned(inverse(turn), spin)]
-        q.append(batch.joint_positions[:, self.places, 0])
-        v.append(batch.joint_speeds[:, self.places, 0])
-        return State(np.hstack(q), np.hstack(v), motion)
+            q[:, 2] = self._count_turns(q[:, 2])
+            return State(q, v, motion)
+        turn = motion.orientations[:, self.root]
+        q = np.hstack([origins[:, self.root], np.roll(turn, 1, axis=-1), q])
+        v = np.hstack([velocities[:, self.root], turned(inverse(turn), angular[:, self.root]), v])
+        return State(q, v, motion)
 
     def _count_turns(self, angles: Floats) -> Floats:
         if len(self._angles) != len(angles):
@@ -99,37 +93,34 @@ class Coordinates:
         for place, body in enumerate(self.bodies):
             motion.origins[:, place] = body.definition.position
             motion.orientations[:, place] = body.definition.orientation
-        if self.planar:
-            motion.origins[:, self.root, [0, 2]] = q[:, :2] + self._shift
-            turn = np.stack([0 * q[:, 2], np.sin(q[:, 2] / 2), 0 * q[:, 2], np.cos(q[:, 2] / 2)], axis=-1)
-            motion.velocities[:, self.root, [0, 2]], motion.angular[:, self.root, 1] = v[:, :2], v[:, 2]
-        else:
+        if not self.planar:
             turn = np.roll(q[:, 3:7], -1, axis=-1)
             turn /= np.linalg.norm(turn, axis=-1, keepdims=True)
             motion.origins[:, self.root] = q[:, :3]
             motion.velocities[:, self.root], motion.angular[:, self.root] = v[:, :3], turned(turn, v[:, 3:6])
-        motion.orientations[:, self.root] = turn
-        for number, joint in enumerate(self.joints):
-            column = number - len(self.joints)
-            _carry(motion, joint, q[:, column], v[:, column])
+            motion.orientations[:, self.root] = turn
+        angles, rates = q[:, -len(self.of) :], v[:, -len(self.of) :]
+        for place in dict.fromkeys(self.places):
+            own = [column for column, of in enumerate(self.places) if of == place]
+            _carry(motion, self.joints[place], [self.of[column] for column in own], angles[:, own], rates[:, own])
         return motion
 
 
-def _carry(motion: Motion, joint: _core.SceneJoint, q: Floats, v: Floats) -> None:
-    """Puts the second body of a joint to where the first one and the coordinate have it."""
+def _carry(motion: Motion, joint: _core.SceneJoint, own: list[Coordinate], q: Floats, v: Floats) -> None:
+    """Puts the second body of a joint to where the first one and the coordinates of the joint have it."""
     first, second, definition = joint.first, joint.second, joint.definition
     anchor, speed = motion.at(first, np.asarray(definition.frame_first.position))
     axes = product(motion.orientations[:, first], _rows(definition.frame_first.orientation, len(q)))
-    along = turned(axes, _rows([1.0, 0.0, 0.0], len(q)))
     angular = motion.angular[:, first]
-    if isinstance(definition.kind, _core.SliderJoint):
-        anchor = anchor + q[:, None] * along
-        speed = speed + cross(angular, q[:, None] * along) + v[:, None] * along
-    else:
-        half = np.zeros((len(q), 4))
-        half[:, 0], half[:, 3] = np.sin(q / 2), np.cos(q / 2)
-        axes = product(axes, half)
-        angular = angular + v[:, None] * along
+    for of, at, rate in zip(own, q.T[:, :, None], v.T[:, :, None], strict=True):
+        unit = np.eye(3)[of.axis % 3]
+        along = turned(axes, _rows(unit, len(q)))
+        if of.kind == "slide":
+            anchor = anchor + at * along
+            speed = speed + cross(angular, at * along) + rate * along
+        else:
+            axes = product(axes, np.hstack([np.sin(at / 2) * unit, np.cos(at / 2)]))
+            angular = angular + rate * along
     turn = product(axes, inverse(_rows(definition.frame_second.orientation, len(q))))
     arm = turned(turn, _rows(definition.frame_second.position, len(q)))
     motion.origins[:, second], motion.orientations[:, second] = anchor - arm, turn

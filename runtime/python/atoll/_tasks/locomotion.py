@@ -16,7 +16,7 @@ from .._robots.compiled import Compiled, compiler
 from .body_terms import BodyTerms
 from .coordinates import Coordinates, State
 from .environments import Array, Bools, Seen, Task
-from .robot_scene import drive, grip, join_planar_root
+from .robot_scene import drive, grip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,16 +67,15 @@ class Locomotion(Task):
         m = model.arrays
         robot = mjcf.read(model)
         grip(robot, model)
-        if self.rules.planar:
-            join_planar_root(robot, model)
         stiffness = drive(robot)
         self._actuators = robot.actuators
         self._drives = np.array([[*of.range, of.gain, of.bias, stiffness[of.coordinate]] for of in self._actuators]).T
         self._start = np.array(m.qpos0)
         self._counts = int(m.nq), int(m.nv)
         root = robot.bodies[model.name("BODY", 1)]
-        self.coordinates = Coordinates(robot, root, self._start[:2] if self.rules.planar else None)
-        self._servos = [_core.ServoTarget(self.coordinates.places[of.coordinate]) for of in self._actuators]
+        self.coordinates = Coordinates(robot, root, self.rules.planar)
+        driven = [robot.coordinates[of.coordinate] for of in self._actuators]
+        self._servos = [_core.ServoTarget(of.joint, of.axis) for of in driven]
         self.terms = BodyTerms(robot, model, len(robot.scene.bodies))
         self.steps_an_action = self.rules.steps
         self.scene = robot.scene
@@ -88,7 +87,7 @@ class Locomotion(Task):
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         self._places = np.zeros(0)  # m, along x, before an action
         size = sum(self._counts) - self.rules.hidden + self.rules.numbers_a_body * (int(m.nbody) - 1)
-        size += len(self.coordinates.joints) if self.rules.sees_torques else 0
+        size += len(self.coordinates.of) if self.rules.sees_torques else 0
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (size,), dtype=np.float64)
 
     def _model(self) -> Compiled:
@@ -218,7 +217,7 @@ class Humanoid(FreeLocomotion):
 
     def begin(self, batch: _core.Batch, places: NDArray[np.int64], drawn: Array) -> None:
         if len(self._places) != len(batch):
-            self._torques = np.zeros((len(batch), len(self.coordinates.joints)))
+            self._torques = np.zeros((len(batch), len(self.coordinates.of)))
         self._torques[places] = 0
         super().begin(batch, places, drawn)
 
