@@ -81,6 +81,14 @@ struct JointKindState {
     using Joint = std::remove_const_t<Kind>;
     if constexpr (std::is_same_v<Joint, BallJoint>) {
       archive.value(kind.friction);
+      if (Archive::hashes && !kind.servo) return;
+      visit_optional(archive, kind.servo, [this](auto& servo) {
+        archive.values(servo.target.coeffs().data(), 4);
+        archive.values(servo.angular_velocity.data(), 3);
+        archive.value(servo.stiffness);
+        archive.value(servo.damping);
+        archive.value(servo.max_torque);
+      });
     } else if constexpr (std::is_same_v<Joint, HingeJoint>) {
       axis(kind.angle);
     } else if constexpr (std::is_same_v<Joint, SliderJoint>) {

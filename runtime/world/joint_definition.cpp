@@ -90,7 +90,17 @@ void check_axis(const std::string& field, const JointAxis& axis, const Domain& d
 struct KindCheck {
   std::string what;
 
-  void operator()(const BallJoint& ball) const { check_not_negative(what + ".friction", ball.friction, loads); }
+  void operator()(const BallJoint& ball) const {
+    check_not_negative(what + ".friction", ball.friction, loads);
+    if (!ball.servo) return;
+    const std::string servo = what + ".servo";
+    checked_orientation((servo + ".target").c_str(), ball.servo->target);
+    check_number(servo + ".angular_velocity", ball.servo->angular_velocity);
+    check_servo(servo, {.stiffness = ball.servo->stiffness, .damping = ball.servo->damping});
+    if (!(ball.servo->max_torque >= 0)) {
+      refuse(servo + ".max_torque", ball.servo->max_torque, "a number not below 0, or unlimited");
+    }
+  }
   void operator()(const HingeJoint& hinge) const { check_axis(what + ".angle", hinge.angle); }
   void operator()(const SliderJoint& slider) const { check_axis(what + ".offset", slider.offset); }
   void operator()(const FixedJoint&) const {}
@@ -182,6 +192,9 @@ JointDef checked(const JointDef& def) {
   check_above_zero_or_unlimited("JointDef.break_torque", def.break_torque);
   check_name("JointDef.name", def.name);
   JointDef result = def;
+  if (auto* ball = std::get_if<BallJoint>(&result.kind); ball != nullptr && ball->servo) {
+    ball->servo->target = checked_orientation("JointDef.kind.servo.target", ball->servo->target);
+  }
   result.frame_first.orientation = checked_orientation("JointDef.frame_first.orientation", def.frame_first.orientation);
   result.frame_second.orientation =
       checked_orientation("JointDef.frame_second.orientation", def.frame_second.orientation);

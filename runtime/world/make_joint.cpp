@@ -41,6 +41,8 @@ Law law_of(const JointAxis& axis) {
   return law;
 }
 
+constexpr std::array rotations = {Coordinate::RotationX, Coordinate::RotationY, Coordinate::RotationZ};
+
 // By SixDofTurns.
 constexpr std::array<std::array<Coordinate, 6>, 3> six_names = {
     {{Coordinate::OffsetX, Coordinate::OffsetY, Coordinate::OffsetZ, Coordinate::TurnX, Coordinate::TurnY,
@@ -75,7 +77,14 @@ struct Rows {
   void operator()(const BallJoint& ball) const {
     joint.point = true;
     for (const Coordinate spin : {Coordinate::SpinX, Coordinate::SpinY, Coordinate::SpinZ}) {
-      add(spin, Law{.motor_force = ball.friction});
+      if (!ball.servo) add(spin, Law{.motor_force = ball.friction});
+    }
+    for (int axis = 0; axis < 3 && ball.servo; ++axis) {
+      add(rotations[static_cast<std::size_t>(axis)], Law{.motor_speed = ball.servo->angular_velocity[axis],
+                                                         .motor_force = ball.servo->max_torque,
+                                                         .servo_stiffness = ball.servo->stiffness,
+                                                         .servo_damping = ball.servo->damping,
+                                                         .friction = ball.friction});
     }
   }
 
@@ -187,6 +196,8 @@ solver::Joint make_joint(const JointDef& def, const Vector3& centre_first, const
   joint.anchor_second = def.frame_second.position - centre_second;
   joint.axes_first = def.frame_first.orientation;
   joint.axes_second = def.frame_second.orientation;
+  const auto* ball = std::get_if<BallJoint>(&def.kind);
+  if (ball != nullptr && ball->servo) joint.axes_first = def.frame_first.orientation * ball->servo->target;
   return joint;
 }
 

@@ -37,7 +37,10 @@ bool is_smooth(Coordinate coordinate, const JointFrames& frames) {
       return frames.offset.norm() > 0.1;
     case Coordinate::TurnX:
     case Coordinate::TurnY:
-    case Coordinate::TurnZ:  // of the shorter way round: it changes sign at half a turn
+    case Coordinate::TurnZ:
+    case Coordinate::RotationX:
+    case Coordinate::RotationY:
+    case Coordinate::RotationZ:  // of the shorter way round: it changes sign at half a turn
       return std::abs(relative_turn(frames).w()) > 0.02;
     case Coordinate::Twist:
     case Coordinate::SwingAlongY:
@@ -244,13 +247,13 @@ TEST(JointCoordinate, AnglesOfCrossesGimbalsAndWheelsAreToldApart) {
     EXPECT_NEAR(value(Coordinate::SkewXY, cross), 0, 1e-15);
     // A gimbal: three hinges one after another, in either order.
     const double between = random.real(-1.5, 1.5);
-    const JointFrames xyz = frames_of(base, about(Vector3::UnitX(), before) * about(Vector3::UnitY(), between) *
-                                                about(Vector3::UnitZ(), after));
+    const JointFrames xyz = frames_of(
+        base, about(Vector3::UnitX(), before) * about(Vector3::UnitY(), between) * about(Vector3::UnitZ(), after));
     EXPECT_NEAR(value(Coordinate::AngleXOfZ, xyz), before, 1e-12);
     EXPECT_NEAR(value(Coordinate::BetweenY, xyz), between, 1e-13);
     EXPECT_NEAR(value(Coordinate::AngleSecondZ, xyz), after, 1e-12);
-    const JointFrames xzy = frames_of(base, about(Vector3::UnitX(), before) * about(Vector3::UnitZ(), between) *
-                                                about(Vector3::UnitY(), after));
+    const JointFrames xzy = frames_of(
+        base, about(Vector3::UnitX(), before) * about(Vector3::UnitZ(), between) * about(Vector3::UnitY(), after));
     EXPECT_NEAR(value(Coordinate::AngleX, xzy), before, 1e-12);
     EXPECT_NEAR(value(Coordinate::BetweenZ, xzy), between, 1e-13);
     EXPECT_NEAR(value(Coordinate::AngleSecondY, xzy), after, 1e-12);
@@ -258,6 +261,21 @@ TEST(JointCoordinate, AnglesOfCrossesGimbalsAndWheelsAreToldApart) {
     EXPECT_NEAR(value(Coordinate::Steer, wheel), before, 1e-13);
     EXPECT_NEAR(value(Coordinate::Roll, wheel), after, 1e-13);
     EXPECT_NEAR(value(Coordinate::SkewZY, wheel), 0, 1e-15);
+  }
+}
+
+TEST(JointCoordinate, RotationsAreTheAxisTimesTheAngle) {
+  Random random(11);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3 axis = random.vector(1).normalized();
+    const double angle = i < 20 ? 1e-6 * i : random.real(0, 3.1);
+    const JointFrames frames = frames_of(random.rotation().toRotationMatrix(), about(axis, angle));
+    for (int part = 0; part < 3; ++part) {
+      const JointRow row = rotation_about(frames, part);
+      EXPECT_NEAR(row.value, angle * axis[part], 1e-12);
+      // What acts along the three is a torque along their sum.
+      EXPECT_NEAR(row.angular_first.dot(frames.axes_first * axis), axis[part], 1e-9);
+    }
   }
 }
 

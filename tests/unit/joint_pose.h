@@ -12,15 +12,16 @@ namespace atl::test {
 
 // But for the length of a tendon, which is of more than two bodies.
 inline constexpr std::array all_coordinates = {
-    solver::Coordinate::OffsetX,  solver::Coordinate::OffsetY,     solver::Coordinate::OffsetZ,
-    solver::Coordinate::Distance, solver::Coordinate::TurnX,       solver::Coordinate::TurnY,
-    solver::Coordinate::TurnZ,    solver::Coordinate::SwingAlongY, solver::Coordinate::SwingAlongZ,
-    solver::Coordinate::SkewXY,   solver::Coordinate::SkewZY,      solver::Coordinate::Twist,
-    solver::Coordinate::Swing,    solver::Coordinate::AngleX,      solver::Coordinate::AngleSecondY,
-    solver::Coordinate::Steer,    solver::Coordinate::Roll,        solver::Coordinate::SpinX,
-    solver::Coordinate::SpinY,    solver::Coordinate::SpinZ,       solver::Coordinate::Orbit,
-    solver::Coordinate::Gear,     solver::Coordinate::Rack,        solver::Coordinate::BetweenZ,
-    solver::Coordinate::BetweenY, solver::Coordinate::AngleXOfZ,   solver::Coordinate::AngleSecondZ};
+    solver::Coordinate::OffsetX,   solver::Coordinate::OffsetY,     solver::Coordinate::OffsetZ,
+    solver::Coordinate::Distance,  solver::Coordinate::TurnX,       solver::Coordinate::TurnY,
+    solver::Coordinate::TurnZ,     solver::Coordinate::SwingAlongY, solver::Coordinate::SwingAlongZ,
+    solver::Coordinate::SkewXY,    solver::Coordinate::SkewZY,      solver::Coordinate::Twist,
+    solver::Coordinate::Swing,     solver::Coordinate::AngleX,      solver::Coordinate::AngleSecondY,
+    solver::Coordinate::Steer,     solver::Coordinate::Roll,        solver::Coordinate::SpinX,
+    solver::Coordinate::SpinY,     solver::Coordinate::SpinZ,       solver::Coordinate::Orbit,
+    solver::Coordinate::Gear,      solver::Coordinate::Rack,        solver::Coordinate::BetweenZ,
+    solver::Coordinate::BetweenY,  solver::Coordinate::AngleXOfZ,   solver::Coordinate::AngleSecondZ,
+    solver::Coordinate::RotationX, solver::Coordinate::RotationY,   solver::Coordinate::RotationZ};
 
 static_assert(all_coordinates.size() == static_cast<std::size_t>(solver::Coordinate::Rack));
 

@@ -111,6 +111,11 @@ TEST(SceneJointFile, ReadsEveryKind) {
   EXPECT_EQ(six.offset[1].range.upper, unlimited);
   EXPECT_EQ(six.offset[2].range.lower, -1);
   EXPECT_EQ(six.turn[1].range.lower, -0.5);
+  const auto ball = std::get<BallJoint>(
+      read(arm("ball", R"("at": [0, 0, 0], "servo": {"target": [0, 0, 1, 0], "stiffness": 2, "max_torque": 5})"))
+          .def.kind);
+  EXPECT_EQ(ball.servo->target.z(), 1);
+  EXPECT_EQ(ball.servo->max_torque, 5);
   const auto gimbal = std::get<SixDofJoint>(
       read(arm("six_dof", R"("at": [0, 0, 0], "turns": "angles_xzy", "turn": [{}, {"range": [-3, 3]}, {}])")).def.kind);
   EXPECT_EQ(gimbal.turns, SixDofTurns::AnglesXZY);

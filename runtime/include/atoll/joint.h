@@ -91,10 +91,30 @@ struct JointAxis {
 // Each kind below says which coordinates it locks, a row of constraints each, and which it leaves free. Ends of
 // ranges are checked where a coordinate has natural bounds. Frames that start apart are pulled together.
 
+/// Turns a ball joint to an orientation, by the shortest way: with a torque of stiffness * (the rotation vector to the
+/// target) + damping * (angular_velocity - the rate of that vector), cut off about each axis of the target where that
+/// is more than max_torque. At most half a turn is left at any time; beyond, the other way is shorter. At least one
+/// gain must be > 0; the servo is stable for any gains. A moment of inertia I (kg m^2) about the joint comes to the
+/// target with frequency f (Hz) and damping ratio z by a stiffness of I (2 pi f)^2 and a damping of 2 z I (2 pi f).
+struct BallServo {
+  Quaternion target = Quaternion::Identity();  ///< of the second frame in the first; of any length but 0
+  Vector3 angular_velocity = Vector3::Zero();  ///< rad/s, about the axes of the target
+  double stiffness = 0;                        ///< N m/rad, finite and >= 0
+  double damping = 0;                          ///< N m s/rad, finite and >= 0
+  double max_torque = unlimited;               ///< N m, >= 0, or unlimited
+
+  bool operator==(const BallServo& other) const {
+    return target.coeffs() == other.target.coeffs() && angular_velocity == other.angular_velocity &&
+           stiffness == other.stiffness && damping == other.damping && max_torque == other.max_torque;
+  }
+};
+
 /// The origins of the frames stay together: 3 rows.
 struct BallJoint {
-  double friction =
-      0;  ///< N m, finite and >= 0: the torque that holds back turning, about each axis of the first frame
+  /// N m, finite and >= 0: the torque that holds back turning, about each axis of the first frame, or of the target of
+  /// a servo.
+  double friction = 0;
+  std::optional<BallServo> servo = {};
 
   bool operator==(const BallJoint&) const = default;
 };

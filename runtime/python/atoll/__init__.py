@@ -21,6 +21,7 @@ import numpy as _numpy  # without it the module below can't say what is missing
 from ._core import (
     Axis as Axis,
     BallJoint as BallJoint,
+    BallServo as BallServo,
     Batch as Batch,
     BodyDef as BodyDef,
     BodyForce as BodyForce,

@@ -41,8 +41,15 @@ void bind_axis(nb::module_& module) {
 }
 
 void bind_kinds(nb::module_& module) {
+  nb::class_<BallServo> servo(module, "BallServo", "Turns a ball joint to an orientation, by the shortest way.");
+  bind_definition(servo, Field{"target", &BallServo::target, "x, y, z, w, of the second frame in the first"},
+                  Field{"angular_velocity", &BallServo::angular_velocity, "rad/s, about the axes of the target"},
+                  Field{"stiffness", &BallServo::stiffness, "N m/rad, >= 0"},
+                  Field{"damping", &BallServo::damping, "N m s/rad, >= 0"},
+                  Field{"max_torque", &BallServo::max_torque, "N m, >= 0, about each axis of the target"});
   nb::class_<BallJoint> ball(module, "BallJoint", "The origins of the frames stay together: 3 rows.");
-  bind_struct(ball, Field{"friction", &BallJoint::friction, "N m, >= 0: torque that holds back turning"});
+  bind_struct(ball, Field{"friction", &BallJoint::friction, "N m, >= 0: torque that holds back turning"},
+              Field{"servo", &BallJoint::servo, "if it has one"});
   nb::class_<HingeJoint> hinge(module, "HingeJoint", "Origins together and x axes parallel: 5 rows.");
   bind_struct(hinge, Field{"angle", &HingeJoint::angle, "rad, about x"});
   nb::class_<SliderJoint> slider(module, "SliderJoint", "Slides along the x axis of the first frame: 5 rows.");
@@ -69,13 +76,13 @@ void bind_kinds(nb::module_& module) {
               Field{"swing_friction", &ConeTwistJoint::swing_friction, "N m, >= 0"});
   nb::enum_<SixDofTurns>(module, "SixDofTurns", "What the turns of a SixDofJoint are.")
       .value("VECTOR", SixDofTurns::Vector, "Twice the vector part of the relative quaternion.")
-      .value("ANGLES_XYZ", SixDofTurns::AnglesXYZ, "Angles, rad, of three hinges that carry each other, the first first.")
+      .value("ANGLES_XYZ", SixDofTurns::AnglesXYZ,
+             "Angles, rad, of three hinges that carry each other, the first first.")
       .value("ANGLES_XZY", SixDofTurns::AnglesXZY, "Likewise, with the one about z in the middle.");
   nb::class_<SixDofJoint> six(module, "SixDofJoint",
                               "Each of six coordinates is locked, limited or free: offsets along the axes of the first "
                               "frame, m, and turns about them.");
-  bind_struct(six, Field{"offset", &SixDofJoint::offset, "three axes"},
-              Field{"turn", &SixDofJoint::turn, "three axes"},
+  bind_struct(six, Field{"offset", &SixDofJoint::offset, "three axes"}, Field{"turn", &SixDofJoint::turn, "three axes"},
               Field{"turns", &SixDofJoint::turns, "what the turns are"});
   nb::class_<GearJoint> gear(module, "GearJoint",
                              "Turns of two bodies about their frames' x axes stay in a ratio: 1 row.");

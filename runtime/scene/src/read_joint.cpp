@@ -94,9 +94,24 @@ void get(const Reader& in, std::string_view key, std::array<JointAxis, 3>& targe
   for (std::size_t i = 0; i < 3; ++i) target[i] = read_axis(axes->element(i), ends);
 }
 
+BallServo read_ball_servo(const Reader& in) {
+  in.only_keys({"target", "angular_velocity", "stiffness", "damping", "max_torque"});
+  BallServo servo;
+  if (const auto target = in.find("target")) servo.target = read_orientation(*target);
+  get(in, "angular_velocity", servo.angular_velocity);
+  get(in, "stiffness", servo.stiffness, at_least(0));
+  get(in, "damping", servo.damping, at_least(0));
+  get(in, "max_torque", servo.max_torque, at_least(0));
+  if (servo.stiffness == 0 && servo.damping == 0) {
+    in.fail("a servo without stiffness and damping", "one of them above 0");
+  }
+  return servo;
+}
+
 JointKind read_ball(const Reader& in) {
   BallJoint joint;
   get(in, "friction", joint.friction, at_least(0));
+  if (const auto servo = in.find("servo")) joint.servo = read_ball_servo(*servo);
   return joint;
 }
 
@@ -183,7 +198,7 @@ Kind read_kind(const Reader& in) {
   switch (in.choice({"ball", "hinge", "slider", "fixed", "distance", "universal", "cone_twist", "six_dof", "gear",
                      "wheel", "tendon"})) {
     case 0:
-      return {{"friction"}, &read_ball};
+      return {{"friction", "servo"}, &read_ball};
     case 1:
       return {{"angle"}, &read_hinge};
     case 2:

@@ -256,7 +256,15 @@ Json json(const std::array<JointAxis, 3>& axes) { return {json(axes[0]), json(ax
 
 // The keys that a kind of joint has of its own.
 struct KindWriter {
-  Json operator()(const BallJoint& ball) const { return {{"kind", "ball"}, {"friction", ball.friction}}; }
+  Json operator()(const BallJoint& ball) const {
+    Json out = {{"kind", "ball"}, {"friction", ball.friction}};
+    if (!ball.servo) return out;
+    Json& servo = out["servo"] = {{"stiffness", ball.servo->stiffness}, {"damping", ball.servo->damping}};
+    servo["target"] = json(ball.servo->target);
+    servo["angular_velocity"] = json(ball.servo->angular_velocity);
+    if (ball.servo->max_torque != unlimited) servo["max_torque"] = ball.servo->max_torque;
+    return out;
+  }
   Json operator()(const HingeJoint& hinge) const { return {{"kind", "hinge"}, {"angle", json(hinge.angle)}}; }
   Json operator()(const SliderJoint& slider) const { return {{"kind", "slider"}, {"offset", json(slider.offset)}}; }
   Json operator()(const FixedJoint&) const { return {{"kind", "fixed"}}; }
@@ -270,11 +278,9 @@ struct KindWriter {
     return out;
   }
   Json operator()(const SixDofJoint& six) const {
-    constexpr std::array turns = {"vector", "angles_xyz", "angles_xzy"};
-    return {{"kind", "six_dof"},
-            {"offset", json(six.offset)},
-            {"turn", json(six.turn)},
-            {"turns", turns.at(static_cast<std::size_t>(six.turns))}};
+    Json out = {{"kind", "six_dof"}, {"offset", json(six.offset)}, {"turn", json(six.turn)}};
+    out["turns"] = std::array{"vector", "angles_xyz", "angles_xzy"}.at(static_cast<std::size_t>(six.turns));
+    return out;
   }
   Json operator()(const GearJoint& gear) const {
     return {{"kind", "gear"}, {"ratio", gear.ratio}, {"rack", gear.rack}};

@@ -6,10 +6,9 @@
 namespace atl::solver {
 namespace {
 
-// Tells a joint of which some coordinate comes from the relative quaternion, so that others need not find it.
-bool asks_for_turn(const Joint& joint) {
+bool has_turn(const Joint& joint) {
   for (std::size_t row = 0; row < joint.rows; ++row) {
-    if (joint.coordinate[row] == Coordinate::Twist || is_turn(joint.coordinate[row])) return true;
+    if (asks_for_turn(joint.coordinate[row])) return true;
   }
   return false;
 }
@@ -33,6 +32,10 @@ JointRow coordinate_row(Coordinate coordinate, const JointFrames& frames, double
       return turn_about(frames, 1);
     case Coordinate::TurnZ:
       return turn_about(frames, 2);
+    case Coordinate::RotationX:
+    case Coordinate::RotationY:
+    case Coordinate::RotationZ:
+      return rotation_about(frames, axis_of(coordinate, Coordinate::RotationX));
     case Coordinate::SwingAlongY:
       return swing_along(frames, 1);
     case Coordinate::SwingAlongZ:
@@ -119,7 +122,7 @@ JointFrames joint_frames(const Joint& joint, const Vector3& position_first, cons
   const Eigen::Quaterniond second(orientation_second * joint.axes_second);
   frames.axes_first = first.toRotationMatrix();
   frames.axes_second = second.toRotationMatrix();
-  if (asks_for_turn(joint)) frames.set_turn(first, second);
+  if (has_turn(joint)) frames.set_turn(first, second);
   return frames;
 }
 

@@ -57,6 +57,22 @@ JointRow turn_about(const JointFrames& frames, int axis) {
   return angular_row(frames.axes_first * (turn.w() * unit + turn.vec().cross(unit)), 2 * turn.vec()[axis]);
 }
 
+// For the rotation vector p of angle 2 f, p' = (1 - [p] / 2 + (1 - h) [p]^2 / (2 f)^2) w with w the relative spin in
+// the first frame, [p] v = p x v and h = f / tan(f). Of the relative rotation q = (s, v), p = 2 f v / |v|.
+JointRow rotation_about(const JointFrames& frames, int axis) {
+  const Vector3d v = frames.turn.vec();
+  const double sine = v.norm();
+  const double half = arctangent(sine, frames.turn.w());
+  // Below, what the series leave out is less than rounding.
+  const bool turns = sine > 1e-5;
+  const double over_sine = turns ? half / sine : 1;
+  const double along = over_sine * frames.turn.w();
+  const double rest = turns ? (1 - along) / (sine * sine) : 1.0 / 3;
+  const Vector3d unit = Vector3d::Unit(axis);
+  return angular_row(frames.axes_first * (along * unit + over_sine * v.cross(unit) + rest * v[axis] * v),
+                     2 * over_sine * v[axis]);
+}
+
 // With a and b the x axes, c = a . b and r = a . b_k, the part along axis k is r sqrt(2 / (1 + c)). Its derivative
 // follows from (a . n)' = (n x a) . (w_B - w_A) of any axis n of the second frame.
 JointRow swing_along(const JointFrames& frames, int axis_second) {

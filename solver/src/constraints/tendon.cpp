@@ -7,7 +7,7 @@ TermRow term_row(const TendonTerm& term, const Joint& joint, const BodyPose& fir
                  double before) {
   JointFrames frames = joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
   // The joint's own rows may not be along the coordinate.
-  if (term.coordinate == Coordinate::Twist || is_turn(term.coordinate)) {
+  if (asks_for_turn(term.coordinate)) {
     frames.set_turn(Eigen::Quaterniond(first.orientation * joint.axes_first),
                     Eigen::Quaterniond(second.orientation * joint.axes_second));
   }

@@ -109,6 +109,24 @@ HWY_INLINE CoordinateLanes turn_about(const FrameLanes& frames, int axis) {
   return angular(frames.turn.scalar * along + cross(frames.turn.vector, along), hn::Add(part, part));
 }
 
+HWY_INLINE CoordinateLanes rotation_about(const FrameLanes& frames, int axis) {
+  const V3& v = frames.turn.vector;
+  const V3 across = unit(axis);
+  const V sine = length(v);
+  // Below, what the series leave out is less than rounding.
+  const M turns = hn::Gt(sine, splat(1e-2f));
+  const V half = arctangent(sine, frames.turn.scalar);
+  const V square = hn::Mul(sine, sine);
+  const V series = hn::Add(splat(1), hn::Mul(square, splat(1.0f / 6)));
+  const V over_sine = hn::IfThenElse(turns, hn::Div(half, hn::Max(sine, splat(1e-2f))), series);
+  const V along = hn::Mul(over_sine, frames.turn.scalar);
+  const V rest =
+      hn::IfThenElse(turns, hn::Div(hn::Sub(splat(1), along), hn::Max(square, splat(1e-4f))), splat(1.0f / 3));
+  const V part = component(v, axis);
+  return angular(along * across + over_sine * cross(v, across) + hn::Mul(rest, part) * v,
+                 hn::Mul(hn::Add(over_sine, over_sine), part));
+}
+
 HWY_INLINE CoordinateLanes swing_along(const FrameLanes& frames, int axis) {
   const V3& b = frames.second[0];
   const V3& along = frames.second[axis];
@@ -246,6 +264,10 @@ HWY_INLINE CoordinateLanes coordinate_in_lanes(Coordinate coordinate, const Fram
     case Coordinate::TurnY:
     case Coordinate::TurnZ:
       return turn_about(frames, axis_of(coordinate, Coordinate::TurnX));
+    case Coordinate::RotationX:
+    case Coordinate::RotationY:
+    case Coordinate::RotationZ:
+      return rotation_about(frames, axis_of(coordinate, Coordinate::RotationX));
     case Coordinate::SwingAlongY:
     case Coordinate::SwingAlongZ:
       return swing_along(frames, coordinate == Coordinate::SwingAlongY ? 1 : 2);

@@ -21,6 +21,9 @@ enum class Coordinate : std::uint8_t {
   TurnX,  ///< 2 sin(angle / 2) about an axis
   TurnY,
   TurnZ,
+  RotationX,  ///< parts of the rotation vector, of at most half a turn
+  RotationY,
+  RotationZ,
   SwingAlongY,  ///< 2 sin(angle / 2) of the swing between the x axes, its part along the second y axis
   SwingAlongZ,
   SkewXY,  ///< by which the first x and the second y axis fall short of a right angle
@@ -46,6 +49,10 @@ enum class Coordinate : std::uint8_t {
 
 /// Tells parts of the relative quaternion, as which a turn is locked or limited.
 constexpr bool is_turn(Coordinate of) { return of >= Coordinate::TurnX && of <= Coordinate::TurnZ; }
+/// Tells what comes from the relative quaternion, which others need not find.
+constexpr bool asks_for_turn(Coordinate of) {
+  return of == Coordinate::Twist || (of >= Coordinate::TurnX && of <= Coordinate::RotationZ);
+}
 /// The axes of the two hinges, of a coordinate from SkewXY to BetweenY or from AngleX to Roll.
 constexpr AxisPair hinges_of(Coordinate of) {
   const bool from_z = of == Coordinate::SkewZY || of == Coordinate::Steer || of == Coordinate::Roll;

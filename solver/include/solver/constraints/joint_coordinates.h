@@ -61,6 +61,11 @@ JointRow distance(const JointFrames& frames);
 /// Shabana, "Computational Dynamics", 2010, 8.5).
 JointRow turn_about(const JointFrames& frames, int axis);
 
+/// The rotation vector from the first frame to the second along an axis of either, rad, of at most half a turn: what
+/// acts along the three is a torque along their sum (Chirikjian, "Stochastic Models, Information Theory, and Lie Groups
+/// 2", 2012, 10.7.3). At half a turn it changes its sign.
+JointRow rotation_about(const JointFrames& frames, int axis);
+
 /// The swing between the x axes, as twice the sine of half of it: its parts along the second y axis (1) and z axis (2).
 /// Both are zero where the x axes are parallel, and nowhere else: where they are opposed the two are of size 2, and
 /// where just so, the first of them is. (Cosines of an x axis against the other y and z axes are zero there, too.)
@@ -87,8 +92,8 @@ void fade_twist(const JointFrames& frames, JointRow& twist);
 void fade_turn(const JointFrames& frames, int axis, JointRow& turn);
 
 /// Angle about the first of two hinges, an axis of the first frame, by which the other one has turned from where the
-/// first frame has that axis, rad in (-pi, pi]. Where the two are parallel it has no value: then 0, and the row is about
-/// the first of them.
+/// first frame has that axis, rad in (-pi, pi]. Where the two are parallel it has no value: then 0, and the row is
+/// about the first of them.
 JointRow angle_about_first(const JointFrames& frames, AxisPair hinges);
 
 /// Angle about the second of two hinges, an axis of the second frame, by which that frame's own axis has turned from
