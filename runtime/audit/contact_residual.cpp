@@ -98,11 +98,11 @@ class Rows {
     const Vector3 at_centre = second.linear + second.angular.cross(patch_.anchor_second) - first.linear -
                               first.angular.cross(patch_.anchor_first);
     const Vector3 spin = second.angular - first.angular;
-    const Vector3 sliding = at_centre + patch_.slip;
+    const Vector3 sliding = at_centre + patch_.slip, turning = spin + patch_.spin;
     PatchVector u{.points = patch_.points.size(),
                   .tangential = along_tangents(sliding),
-                  .torsional = torsional_arm(patch_) * patch_.normal.dot(spin),
-                  .rolling = patch_.rolling_friction * along_tangents(spin)};
+                  .torsional = torsional_arm(patch_) * patch_.normal.dot(turning),
+                  .rolling = patch_.rolling_friction * along_tangents(turning)};
     for (std::size_t i = 0; i < u.points; ++i) {
       u.normal[i] = patch_.normal.dot(at_centre + spin.cross(arm(patch_.points[i])));
     }

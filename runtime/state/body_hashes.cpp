@@ -42,7 +42,8 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
   // Plain ones count for nothing, whether the world has an entry of them or not.
   if (alive && !world.bodies.surfaces.empty() && !world.bodies.surfaces[body].is_plain()) {
     const solver::Surface& surface = world.bodies.surfaces[body];
-    parts.input.values(surface.velocity.data(), 3);
+    parts.input.values(surface.motion.velocity.data(), 3);
+    if (!surface.motion.angular_velocity.isZero(0)) parts.input.values(surface.motion.angular_velocity.data(), 3);
     parts.input.value(surface.rolling_friction);
     parts.input.value(surface.torsional_friction);
   }

@@ -48,8 +48,9 @@ struct SetVelocity {
 struct SetSurfaceVelocity {
   BodyId body;
   Vector3 velocity;
-  static auto fields(auto& self) { return std::tie(self.body, self.velocity); }
-  void make(World& world) const { world.set_surface_velocity(body, velocity); }
+  Vector3 angular;
+  static auto fields(auto& self) { return std::tie(self.body, self.velocity, self.angular); }
+  void make(World& world) const { world.set_surface_velocity(body, velocity, angular); }
 };
 
 struct ApplyForce {

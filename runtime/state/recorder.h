@@ -94,7 +94,8 @@ void visit_start(Archive& archive, Body& body) {
   visit_field(archive, body.orientation);
   visit_field(archive, body.velocity);
   visit_field(archive, body.angular_velocity);
-  visit_field(archive, body.surface_velocity);
+  visit_field(archive, body.surface.velocity);
+  visit_field(archive, body.surface.angular_velocity);
   visit_field(archive, body.filter);
   visit_field(archive, body.awake);
   visit_text(archive, body.name);

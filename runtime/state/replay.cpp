@@ -211,7 +211,8 @@ void Replay::add_body(StateReader& record) {
   CheckedBody body;
   body.constants = kind_in(record);
   visit_start(record, body);
-  check_built_for_surface("BodyDef.surface_velocity", body.surface_velocity);
+  check_built_for_surface("BodyDef.surface_velocity", body.surface.velocity);
+  check_built_for_surface("BodyDef.surface_angular_velocity", body.surface.angular_velocity);
   world_.impl_->add_body(body);
 }
 

@@ -30,7 +30,7 @@ void restore_filter(Stores& world, std::uint32_t collider) {
 
 void restore_materials(Stores& world) {
   for (std::uint32_t body = 0; body < world.bodies.size(); ++body) {
-    if (world.records.alive[body]) run_surface(world, body, Vector3::Zero());
+    if (world.records.alive[body]) run_surface(world, body, {});
   }
 }
 

@@ -391,17 +391,15 @@ class WorldState {
   // How fast they run: what holds back rolling is the material's.
   void visit_surfaces() {
     if constexpr (reads) restore_materials(world_);
-    const auto runs = [this](std::uint32_t body) {
-      const auto& surfaces = world_.bodies.surfaces;
-      return body < surfaces.size() && is_body(body) && !surfaces[body].velocity.isZero(0);
-    };
+    const auto runs = [this](std::uint32_t body) { return is_body(body) && !surface_motion(world_, body).is_zero(); };
     visit_some(archive_, body_count(), runs, [this](std::uint32_t body) {
       check_body(body);
       archive_.check(with_surfaces, "a surface that runs, which this build is without");
-      Vector3 velocity;
-      if constexpr (!reads) velocity = world_.bodies.surfaces[body].velocity;
-      archive_.values(velocity.data(), 3);
-      if constexpr (reads) run_surface(world_, body, velocity);
+      solver::SurfaceMotion motion;
+      if constexpr (!reads) motion = surface_motion(world_, body);
+      archive_.values(motion.velocity.data(), 3);
+      if (!Archive::hashes || !motion.angular_velocity.isZero(0)) archive_.values(motion.angular_velocity.data(), 3);
+      if constexpr (reads) run_surface(world_, body, motion);
     });
     if constexpr (Archive::hashes) {
       for (std::uint32_t body = 0; body < world_.bodies.surfaces.size(); ++body) {

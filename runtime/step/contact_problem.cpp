@@ -68,6 +68,7 @@ ContactProblem contact_problem(const Stores& world, std::span<const solver::Touc
       patch.torsional_friction = surface.torsional_friction;
       patch.rolling_friction = surface.rolling_friction;
       patch.slip = vector(surface.slip);
+      patch.spin = vector(surface.spin);
       patch.rolling_impulse = rolling - normal.dot(rolling) * normal;
     }
     if (answer.planar) {

@@ -27,15 +27,22 @@ void note_quarantined(std::span<const QuarantineFault> faults, StepReport& repor
   }
 }
 
-// However slow a belt runs, what it carries is not at rest; what it slips under may be.
+// However slow a belt or a turntable runs, what it carries is not at rest; what it slips under may be.
 void keep_belts_awake(Stores& world, std::span<const solver::TouchingPair> touching) {
   const solver::BodyTable& bodies = world.bodies;
+  const auto is_carried = [](const auto& velocity, double by) { return by > 0 && velocity.norm() > 0.5 * by; };
   for (const solver::TouchingPair& pair : touching) {
-    const double belt =
-        std::max(bodies.surfaces[pair.first].velocity.norm(), bodies.surfaces[pair.second].velocity.norm());
-    if (belt == 0) continue;
+    if (bodies.surfaces[pair.first].motion.is_zero() && bodies.surfaces[pair.second].motion.is_zero()) continue;
+    const collision::ContactManifold& manifold = world.cache.manifolds[pair.slot];
+    const auto belt = [&](std::uint32_t body, const float* anchor) {
+      return solver::surface_velocity_at(bodies, body, Eigen::Map<const Eigen::Vector3f>(anchor).cast<double>()).norm();
+    };
+    const double runs = std::max(belt(pair.first, manifold.anchor_first), belt(pair.second, manifold.anchor_second));
+    const double turns =
+        std::max(solver::surface_spin(bodies, pair.first).norm(), solver::surface_spin(bodies, pair.second).norm());
     for (const std::uint32_t body : {pair.first, pair.second}) {
-      if (bodies.velocity(body).norm() > 0.5 * belt) world.sleeping.rest_time[body] = 0;
+      const bool carried = is_carried(bodies.velocity(body), runs) || is_carried(bodies.angular_velocity(body), turns);
+      if (carried) world.sleeping.rest_time[body] = 0;
     }
   }
 }

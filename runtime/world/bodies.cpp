@@ -121,7 +121,7 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   records.user_data[body] = start.user_data;
   give_name(world, body, start.name);
   records.filter.set(body, start.filter);
-  run_surface(world, body, start.surface_velocity);
+  run_surface(world, body, start.surface);
 
   world.sleeping.awake[body] = records.dynamic[body];
   world.sleeping.rest_time[body] = 0;
@@ -261,7 +261,9 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
     def.inertia = constants.inertia;
     def.centre_of_mass = constants.centre;
   }
-  if (!world.bodies.surfaces.empty()) def.surface_velocity = world.bodies.surfaces[body].velocity;
+  const solver::SurfaceMotion surface = surface_motion(world, body);
+  def.surface_velocity = surface.velocity;
+  def.surface_angular_velocity = surface.angular_velocity;
   if (const auto named = world.records.names.find(body); named != world.records.names.end()) def.name = named->second;
   return def;
 }
@@ -297,8 +299,12 @@ void set_surface(Stores& world, std::uint32_t body, const solver::Surface& surfa
 
 }  // namespace
 
-void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity) {
-  solver::Surface surface{.velocity = velocity};
+solver::SurfaceMotion surface_motion(const Stores& world, std::uint32_t body) {
+  return world.bodies.surfaces.empty() ? solver::SurfaceMotion{} : world.bodies.surfaces[body].motion;
+}
+
+void run_surface(Stores& world, std::uint32_t body, const solver::SurfaceMotion& motion) {
+  solver::Surface surface{.motion = motion, .centre = world.records.centre[body]};
   for_each_material(*world.records.constants[body], [&](const Material& material) {
     surface.rolling_friction = std::max(surface.rolling_friction, material.rolling_friction);
     surface.torsional_friction = std::max(surface.torsional_friction, material.torsional_friction);
@@ -306,11 +312,11 @@ void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity) {
   set_surface(world, body, surface);
 }
 
-void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity) {
+void set_surface_velocity(Stores& world, std::uint32_t body, const solver::SurfaceMotion& motion) {
   wake_touching(world, body);
   world.sleeping.wake(body);
   world.quarantine.suspect(body);
-  run_surface(world, body, velocity);
+  run_surface(world, body, motion);
 }
 
 namespace {
@@ -341,7 +347,7 @@ void exchange_constants(Stores& world, std::uint32_t body, const BodyConstants& 
     world.bodies.gyroscopic[body] = 0;
   }
   ++records.version;
-  run_surface(world, body, world.bodies.surfaces.empty() ? Vector3::Zero() : world.bodies.surfaces[body].velocity);
+  run_surface(world, body, surface_motion(world, body));
 }
 
 void change_constants(Stores& world, std::uint32_t body, const BodyConstants& constants) {

@@ -39,10 +39,11 @@ void apply_impulse(Stores& world, std::uint32_t body, const Vector3& impulse, co
 /// Throws Error if its velocities would not be finite after that.
 void check_impulse(const Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment);
 void set_pose(Stores& world, std::uint32_t body, const Vector3& origin, const Quaternion& orientation);
-/// Lets the surface run at a velocity (m/s, body frame); what holds back rolling is the material's.
-void run_surface(Stores& world, std::uint32_t body, const Vector3& velocity);
+/// Lets the surface run along the body; what holds back rolling is the material's.
+void run_surface(Stores& world, std::uint32_t body, const solver::SurfaceMotion& motion);
+solver::SurfaceMotion surface_motion(const Stores& world, std::uint32_t body);
 /// The same of a body that others may lie on: they wake.
-void set_surface_velocity(Stores& world, std::uint32_t body, const Vector3& velocity);
+void set_surface_velocity(Stores& world, std::uint32_t body, const solver::SurfaceMotion& motion);
 /// Stores other constants of a body, with shapes of the same kinds and the same centre of mass. Nothing follows yet.
 void exchange_constants(Stores& world, std::uint32_t body, const BodyConstants& constants);
 /// Gives a body other constants, with the same shapes and centre of mass. What is joined to it is solved anew.

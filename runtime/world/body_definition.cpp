@@ -352,7 +352,7 @@ CheckedBody check(const BodyDef& def) {
   body.position = def.position;
   body.velocity = solver::without(solver::linear_locks(constants.locks), def.velocity);
   body.angular_velocity = solver::without(solver::angular_locks(constants.locks), def.angular_velocity);
-  body.surface_velocity = def.surface_velocity;
+  body.surface = {def.surface_velocity, def.surface_angular_velocity};
   body.filter = def.filter;
   check_name("BodyDef.name", def.name);
   body.name = def.name;
@@ -370,12 +370,14 @@ CheckedBody check(const BodyDef& def) {
   }
   check_material_numbers("BodyDef.shape", constants);
   check_finite("BodyDef.surface_velocity", def.surface_velocity);
+  check_finite("BodyDef.surface_angular_velocity", def.surface_angular_velocity);
   check_number("BodyDef.gravity_scale", def.gravity_scale);
   check_not_negative("BodyDef.linear_damping", def.linear_damping);
   check_not_negative("BodyDef.angular_damping", def.angular_damping);
   check_mass(def, constants);
   check_built_for(constants);
   check_built_for_surface("BodyDef.surface_velocity", def.surface_velocity);
+  check_built_for_surface("BodyDef.surface_angular_velocity", def.surface_angular_velocity);
   return body;
 }
 

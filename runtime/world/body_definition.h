@@ -2,6 +2,7 @@
 
 #include <atoll/body.h>
 #include <collision/shapes/hull.h>
+#include <solver/integrate/body_table.h>
 
 #include <cstdint>
 #include <memory>
@@ -65,7 +66,7 @@ struct CheckedBody {
   Quaternion orientation;  // unit
   Vector3 velocity = Vector3::Zero();
   Vector3 angular_velocity = Vector3::Zero();
-  Vector3 surface_velocity = Vector3::Zero();
+  solver::SurfaceMotion surface = {};
   CollisionFilter filter = {};
   bool awake = true;
   std::string name;

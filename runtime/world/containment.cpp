@@ -48,7 +48,9 @@ std::optional<Quarantine> fault_in_push(const solver::BodyTable& bodies, std::ui
 
 // A belt that runs at such a speed would tear away whatever touched it.
 std::optional<Quarantine> fault_in_surface(const solver::BodyTable& bodies, std::uint32_t body) {
-  if (bodies.surfaces.empty() || is_within(bodies.surfaces[body].velocity, solver::top_speed)) return {};
+  if (bodies.surfaces.empty()) return {};
+  const solver::SurfaceMotion& motion = bodies.surfaces[body].motion;
+  if (is_within(motion.velocity, solver::top_speed) && is_within(motion.angular_velocity, solver::top_spin)) return {};
   return Quarantine::TooFastSurface;
 }
 

@@ -17,7 +17,7 @@ const char* quarantine_reason(Quarantine reason) {
     case Quarantine::TooFastSpin:
       return "its angular speed is above 1e6 rad/s";
     case Quarantine::TooFastSurface:
-      return "the speed of its surface is above 1e6 m/s";
+      return "the speed of its surface is above 1e6 m/s or rad/s";
     case Quarantine::TooMuchForce:
       return "forces would take its speed above 1e6 m/s in one step";
     case Quarantine::TooMuchTorque:

@@ -331,11 +331,14 @@ void World::move_to(BodyId id, const Pose& pose, double dt) {
   set_velocity(id, (position - impl_->stores.bodies.position(body)) / dt, spin);
 }
 
-void World::set_surface_velocity(BodyId id, const Vector3& velocity) {
+void World::set_surface_velocity(BodyId id, const Vector3& velocity, const Vector3& angular) {
   check_finite("World::set_surface_velocity: velocity", velocity);
+  check_finite("World::set_surface_velocity: angular", angular);
   check_built_for_surface("World::set_surface_velocity: velocity", velocity);
-  atl::set_surface_velocity(impl_->stores, impl_->index_to_change(id, "set_surface_velocity"), velocity);
-  note<calls::SetSurfaceVelocity>(*impl_, id, velocity);
+  check_built_for_surface("World::set_surface_velocity: angular", angular);
+  const std::uint32_t body = impl_->index_to_change(id, "set_surface_velocity");
+  atl::set_surface_velocity(impl_->stores, body, {velocity, angular});
+  note<calls::SetSurfaceVelocity>(*impl_, id, velocity, angular);
 }
 
 void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
@@ -488,7 +491,10 @@ void World::set_definition(BodyId id, const BodyDef& def) {
     set_pose(id, {asked.position, asked.orientation});
   }
   if (!keeps_motion) set_velocity(id, asked.velocity, asked.angular_velocity);
-  if (asked.surface_velocity != before.surface_velocity) set_surface_velocity(id, asked.surface_velocity);
+  if (asked.surface_velocity != before.surface_velocity ||
+      asked.surface_angular_velocity != before.surface_angular_velocity) {
+    set_surface_velocity(id, asked.surface_velocity, asked.surface_angular_velocity);
+  }
   if (asked.filter != before.filter) set_filter(id, asked.filter);
   if (asked.name != before.name) set_name(id, asked.name);
   if (asked.user_data != before.user_data) set_user_data(id, asked.user_data);

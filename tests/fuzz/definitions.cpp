@@ -197,6 +197,7 @@ BodyDef Definitions::body() {
   }
   if (bytes_.flag()) def.material = material();
   if (bytes_.one_in(6)) def.surface_velocity = vector(2);
+  if (bytes_.one_in(6)) def.surface_angular_velocity = vector(2);
   if (bytes_.one_in(6)) def.gravity_scale = number(-1, 2);
   if (bytes_.one_in(6)) def.linear_damping = number(0, 2);
   if (bytes_.one_in(6)) def.angular_damping = number(0, 2);

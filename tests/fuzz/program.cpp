@@ -154,8 +154,9 @@ void move_body(Run& run) {
       break;
     }
     case 5: {
-      const Vector3 velocity = run.definitions.vector(3);
-      run.call("set_surface_velocity", [&](World& world, std::size_t) { world.set_surface_velocity(id, velocity); });
+      const Vector3 velocity = run.definitions.vector(3), spin = run.definitions.vector(3);
+      run.call("set_surface_velocity",
+               [&](World& world, std::size_t) { world.set_surface_velocity(id, velocity, spin); });
       break;
     }
     default:

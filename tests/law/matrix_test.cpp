@@ -124,6 +124,7 @@ std::vector<Feature> features() {
     s.box.material.friction = 0;
   }));
   all.push_back(sliding("surface_velocity", 1, [](Sliding& s) { s.floor.surface_velocity = {1, 0.5, 0}; }));
+  all.push_back(sliding("turning_surface", 1, [](Sliding& s) { s.floor.surface_angular_velocity = {0, 0, 1}; }));
   all.push_back(sliding("kinematic_floor", 1, [](Sliding& s) {
     s.floor.type = BodyType::Kinematic;
     s.floor.velocity = {1, 0.5, 0};

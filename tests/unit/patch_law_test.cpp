@@ -27,7 +27,7 @@ ContactLaw random_law(Random& random) {
   law.friction_bound = random.real(0, 5);
   law.torsional_bound = random.real(0, 2);
   law.pyramid = random.below(2) == 0;
-  law.slip = {random.real(-1, 1), random.real(-1, 1)};
+  for (int k = 1; k < 6; ++k) law.surfaces[k] = random.real(-1, 1);
   if (random.below(2) == 0) law.rolling_stiffness = random.real(1, 10);
   law.rolling_bound = random.real(0, 5);
   return law;
@@ -55,9 +55,11 @@ TEST(ContactLaw, ImpulsesStayInTheirCone) {
     EXPECT_LE(friction, law.friction_bound * (1 + 1e-14));
     EXPECT_LE(std::abs(answer.torsional), law.torsional_bound);
     EXPECT_LE(std::hypot(answer.rolling[0], answer.rolling[1]), law.rolling_bound * (1 + 1e-14));
-    const double slides_at[2] = {motion[3] + law.slip[0], motion[4] + law.slip[1]};
-    EXPECT_LE(answer.friction[0] * slides_at[0] + answer.friction[1] * slides_at[1], 0) << "it takes energy";
-    EXPECT_LE(answer.rolling[0] * motion[1] + answer.rolling[1] * motion[2], 0) << "it takes energy";
+    Six rubs = motion;
+    for (int k = 1; k < 6; ++k) rubs[k] += law.surfaces[k];
+    EXPECT_LE(answer.friction[0] * rubs[3] + answer.friction[1] * rubs[4], 0) << "it takes energy";
+    EXPECT_LE(answer.rolling[0] * rubs[1] + answer.rolling[1] * rubs[2], 0) << "it takes energy";
+    EXPECT_LE(answer.torsional * rubs[5], 0) << "it takes energy";
     EXPECT_EQ(answer.rolling[0] != 0, law.rolling_stiffness > 0);
     rolls += answer.pieces.rolls;
     if (answer.pieces.slides) {

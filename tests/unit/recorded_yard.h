@@ -69,6 +69,7 @@ inline const std::vector<Change>& changes() {
                               .angular_velocity = {3, 2, 1},
                               .material = {.friction = 0.3, .restitution = 0.4, .rolling_friction = 0.01},
                               .surface_velocity = {0, 0.1, 0},
+                              .surface_angular_velocity = {0, 0, 0.2},
                               .gravity_scale = 0.9,
                               .linear_damping = 0.1,
                               .locks = {.linear = {false, true, false}, .angular = {true, false, true}},
@@ -97,7 +98,7 @@ inline const std::vector<Change>& changes() {
        }},
       {"a belt", kind_of<calls::SetSurfaceVelocity>(),
        [](Yard& yard) {
-         yard.world.set_surface_velocity(yard.ids[0], {1, 0.5, 0});
+         yard.world.set_surface_velocity(yard.ids[0], {1, 0.5, 0}, {0, 0, 0.5});
        }},
       {"a force", kind_of<calls::ApplyForce>(),
        [](Yard& yard) {

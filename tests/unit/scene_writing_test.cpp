@@ -113,6 +113,7 @@ TEST(SceneWriting, NothingOfADefinitionIsLost) {
                                                      .friction_rule = CombineRule::Min,
                                                      .restitution_rule = CombineRule::Average},
                                         .surface_velocity = {1, 2, 3},
+                                        .surface_angular_velocity = {0, 0, 4},
                                         .filter = {.category = 6, .mask = 0xffffffff, .group = -3},
                                         .contact_event_force = 0,
                                         .user_data = ~std::uint64_t{0}});

@@ -77,7 +77,7 @@ TEST(Snapshot, BringsBackTheSameWorldWhateverHappenedToIt) {
   yard.world.set_settings({.substeps = 2, .sleeping = true, .contact_events = true});
   run(yard.world, 3);
   expect_back("settings");
-  yard.world.set_surface_velocity(yard.ids[0], {1, 0, 0});
+  yard.world.set_surface_velocity(yard.ids[0], {1, 0, 0}, {0, 0, 1});
   run(yard.world, 3);
   expect_back("a belt");
 }

@@ -67,6 +67,10 @@ struct BodyDef {
   /// m/s, body frame: how fast the surface runs along the body, as a conveyor's belt. Friction sees its part in the
   /// tangent plane of a contact; the body itself stays.
   Vector3 surface_velocity = Vector3::Zero();
+  /// rad/s, body frame, about its origin: how fast the surface turns on the body, as a turntable. It adds its cross
+  /// product with a contact's place to the surface's velocity there, and itself to what torsional and rolling friction
+  /// see.
+  Vector3 surface_angular_velocity = Vector3::Zero();
   double gravity_scale = 1;    ///< multiplies the world's gravity
   double linear_damping = 0;   ///< 1/s, >= 0: v' = -c v
   double angular_damping = 0;  ///< 1/s, >= 0: w' = -c w

@@ -50,6 +50,7 @@ struct ContactProblem {
     double torsional_friction = 0;               ///< m, t
     double rolling_friction = 0;                 ///< m, p
     Vector3 slip = Vector3::Zero();              ///< m/s: how fast the second surface runs against the first
+    Vector3 spin = Vector3::Zero();              ///< rad/s: how fast the second surface turns against the first
     std::vector<Point> points = {};              ///< one to four
     Vector3 friction_impulse = Vector3::Zero();  ///< N s, tangential, on the second body at the centre
     double torsional_impulse = 0;                ///< N m s, about the normal, on the second body

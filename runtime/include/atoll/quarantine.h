@@ -15,7 +15,7 @@ enum class Quarantine {
   TooFar,          ///< its centre of mass is farther than 1e12 m from the origin
   TooFast,         ///< its speed is above 1e6 m/s
   TooFastSpin,     ///< its angular speed is above 1e6 rad/s
-  TooFastSurface,  ///< its surface runs along it at more than 1e6 m/s: see BodyDef::surface_velocity
+  TooFastSurface,  ///< its surface runs along it at more than 1e6 m/s or rad/s: see BodyDef::surface_velocity
   TooMuchForce,    ///< the forces on it would take its speed above 1e6 m/s in one step
   TooMuchTorque    ///< the torques on it would take its angular speed above 1e6 rad/s in one step
 };

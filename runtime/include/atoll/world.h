@@ -206,8 +206,9 @@ class World {
   /// what it carries or pushes goes with it, as it would not with set_pose(). It keeps them until they are set again.
   /// dt in [1e-12, 1], else Error; Error on a body of another type.
   void move_to(BodyId id, const Pose& pose, double dt);
-  /// How fast the surface runs along the body, m/s, body frame: see BodyDef::surface_velocity. Wakes what touches it.
-  void set_surface_velocity(BodyId id, const Vector3& velocity);
+  /// How fast the surface runs along the body, m/s and rad/s, body frame: see BodyDef::surface_velocity and
+  /// surface_angular_velocity. Wakes what touches it.
+  void set_surface_velocity(BodyId id, const Vector3& velocity, const Vector3& angular = Vector3::Zero());
   /// Adds to the force (N) through the centre of mass and the torque (N m) of the next step only.
   void apply_force(BodyId id, const Vector3& force, const Vector3& torque = Vector3::Zero());
   /// Changes the velocities at once by an impulse (N s) at a world-frame point (m). Error, and nothing done, where they

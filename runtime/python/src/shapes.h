@@ -22,6 +22,8 @@ void with_body_fields(const Take& take) {
        Field{"material", &BodyDef::material, "what its surface is like"},
        Field{"materials", &BodyDef::materials, "of a surface's triangles or cells: number k > 0 has materials[k - 1]"},
        Field{"surface_velocity", &BodyDef::surface_velocity, "m/s, shape (3,), body frame: as a conveyor's belt"},
+       Field{"surface_angular_velocity", &BodyDef::surface_angular_velocity,
+             "rad/s, shape (3,), body frame, about its origin: as a turntable"},
        Field{"gravity_scale", &BodyDef::gravity_scale, "times the world's gravity"},
        Field{"linear_damping", &BodyDef::linear_damping, "1/s, >= 0"},
        Field{"angular_damping", &BodyDef::angular_damping, "1/s, >= 0"},

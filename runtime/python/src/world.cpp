@@ -85,7 +85,7 @@ void bind_bodies(Class& world) {
       .def("move_to", &World::move_to, nb::arg("body"), nb::arg("pose"), nb::arg("dt"),
            "Gives a kinematic body the velocities that take it to a pose in a step of dt seconds.")
       .def("set_surface_velocity", &World::set_surface_velocity, nb::arg("body"), nb::arg("velocity"),
-           "m/s, shape (3,), body frame")
+           nb::arg("angular") = Vector3(0, 0, 0), "m/s and rad/s, shape (3,), body frame")
       .def("apply_force", &World::apply_force, nb::arg("body"), nb::arg("force"), nb::arg("torque") = Vector3(0, 0, 0),
            "Adds a force (N) through the centre of mass and a torque (N m) to those of the next step.")
       .def("apply_impulse", &World::apply_impulse, nb::arg("body"), nb::arg("impulse"), nb::arg("point"),

@@ -162,6 +162,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
                 "velocity",
                 "angular_velocity",
                 "surface_velocity",
+                "surface_angular_velocity",
                 "density",
                 "mass",
                 "inertia",
@@ -211,6 +212,7 @@ SceneBody read_body(const Reader& in, const Library& library) {
   get(in, "velocity", def.velocity);
   get(in, "angular_velocity", def.angular_velocity);
   get(in, "surface_velocity", def.surface_velocity);
+  get(in, "surface_angular_velocity", def.surface_angular_velocity);
 
   read_mass(in, def);
   get(in, "gravity_scale", def.gravity_scale);

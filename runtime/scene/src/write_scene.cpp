@@ -208,6 +208,7 @@ Json json(const SceneBody& body) {
   put_unless_zero(out, "velocity", def.velocity);
   put_unless_zero(out, "angular_velocity", def.angular_velocity);
   put_unless_zero(out, "surface_velocity", def.surface_velocity);
+  put_unless_zero(out, "surface_angular_velocity", def.surface_angular_velocity);
   if (def.type == BodyType::Dynamic) put_dynamics(out, body);
   if (def.filter != CollisionFilter{}) out["filter"] = json(def.filter);
   if (def.continuous) out["continuous"] = true;

@@ -36,6 +36,12 @@ void add_turning(std::array<Six, 6>& k, int axis, const Two& speed, double bound
 
 }  // namespace
 
+Six ContactLaw::rubbing(const Six& motion) const {
+  Six sum;
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = motion[k] + surfaces[k];
+  return sum;
+}
+
 ContactAnswer ContactLaw::answer(const Six& motion) const {
   ATL_ASSERT(points >= 0 && points <= 4, points);
   ATL_ASSERT(!(friction_bound < 0), friction_bound);
@@ -49,7 +55,8 @@ ContactAnswer ContactLaw::answer(const Six& motion) const {
     ATL_ASSERT(!(answer.normal[i] < 0), i, answer.normal[i], stiffness[i], closing);
     answer.pieces.points |= static_cast<std::uint8_t>(1 << i);
   }
-  const Two slides = sliding(motion);
+  const Six rubs = rubbing(motion);
+  const Two slides = {rubs[3], rubs[4]};
   if (pyramid) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double wanted = -friction_stiffness * slides[axis];
@@ -59,11 +66,11 @@ ContactAnswer ContactLaw::answer(const Six& motion) const {
   } else if (hold_in_disc(slides, friction_stiffness, friction_bound, answer.friction)) {
     answer.pieces.slides = 3;
   }
-  const double twist = -torsional_stiffness * motion[5];
+  const double twist = -torsional_stiffness * rubs[5];
   answer.torsional = std::clamp(twist, -torsional_bound, torsional_bound);
   answer.pieces.spins = answer.torsional != twist;
   if (rolling_stiffness > 0) {
-    answer.pieces.rolls = hold_in_disc({motion[1], motion[2]}, rolling_stiffness, rolling_bound, answer.rolling);
+    answer.pieces.rolls = hold_in_disc({rubs[1], rubs[2]}, rolling_stiffness, rolling_bound, answer.rolling);
   }
   return answer;
 }
@@ -75,12 +82,12 @@ ContactAnswer ContactLaw::linear_answer(const Six& motion, const ContactPieces& 
   for (int i = 0; i < points; ++i) {
     answer.normal[i] = pieces.points & (1 << i) ? -stiffness[i] * (speed(i, motion) + bias[i]) : 0;
   }
-  const Two slides = sliding(motion);
+  const Six rubs = rubbing(motion);
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    if (!(pieces.slides & (1 << axis))) answer.friction[axis] = -friction_stiffness * slides[axis];
-    if (!pieces.rolls) answer.rolling[axis] = -rolling_stiffness * motion[1 + axis];
+    if (!(pieces.slides & (1 << axis))) answer.friction[axis] = -friction_stiffness * rubs[3 + axis];
+    if (!pieces.rolls) answer.rolling[axis] = -rolling_stiffness * rubs[1 + axis];
   }
-  if (!pieces.spins) answer.torsional = -torsional_stiffness * motion[5];
+  if (!pieces.spins) answer.torsional = -torsional_stiffness * rubs[5];
   return answer;
 }
 
@@ -93,15 +100,16 @@ std::array<Six, 6> ContactLaw::derivative(const Six& motion, const ContactPieces
       for (int b = 0; b < 3; ++b) k[a][b] += stiffness[i] * row[a] * row[b];
     }
   }
+  const Six rubs = rubbing(motion);
   if (pieces.slides == 3 && !pyramid) {
-    add_turning(k, 3, sliding(motion), friction_bound);
+    add_turning(k, 3, {rubs[3], rubs[4]}, friction_bound);
   } else {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       if (!(pieces.slides & (1 << axis))) k[3 + axis][3 + axis] = friction_stiffness;
     }
   }
   if (pieces.rolls) {
-    add_turning(k, 1, {motion[1], motion[2]}, rolling_bound);
+    add_turning(k, 1, {rubs[1], rubs[2]}, rolling_bound);
   } else {
     for (std::size_t axis = 1; axis < 3; ++axis) k[axis][axis] += rolling_stiffness;
   }

@@ -98,8 +98,13 @@ void load_friction(const SolverSettings& settings, const ContactResponse& respon
 
 void load_surfaces(const SurfaceContact& surface, const ContactResponse& response, DirectContact& contact) {
   ContactLaw& law = contact.law;
-  const Vector3 slip = get3(surface.slip);
-  law.slip = {slip.dot(contact.axes[1]), slip.dot(contact.axes[2])};
+  const Vector3 slip = get3(surface.slip), spin = get3(surface.spin);
+  law.surfaces = {0,
+                  spin.dot(contact.axes[1]),
+                  spin.dot(contact.axes[2]),
+                  slip.dot(contact.axes[1]),
+                  slip.dot(contact.axes[2]),
+                  spin.dot(contact.axes[0])};
   contact.rolling = surface.rolling_friction;
   contact.torsional = surface.torsional_friction;
   const double rolls = 0.5 * (response.turning(contact.axes[1]) + response.turning(contact.axes[2]));
@@ -182,7 +187,8 @@ void load_contact(const DirectIslandInput& input, const TouchingPair& pair, cons
   load_friction(input.settings, response, contact);
   if (input.surface_contacts == nullptr) return;
   SurfaceContact& surface = input.surface_contacts[pair.slot];
-  note_surfaces_of(pair, table, manifold, input.added_slip(pair.slot), surface);
+  const double ahead = half_way ? input.dt : 0.5 * input.dt;
+  note_surfaces_of(pair, table, manifold, ahead, input.added_slip(pair.slot), surface);
   load_surfaces(surface, response, contact);
 }
 

@@ -119,6 +119,9 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
   const V normal_impulse = load_of(block, lane);
   store(dot(c.tangent1, {slip.x, slip.y, slip.z}), surface.slip[0] + lane);
   store(dot(c.tangent2, {slip.x, slip.y, slip.z}), surface.slip[1] + lane);
+  const V4 spin = load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).spin; });
+  const V3* axes[3] = {&c.tangent1, &c.tangent2, &c.normal};
+  for (std::size_t i = 0; i < 3; ++i) store(dot(*axes[i], {spin.x, spin.y, spin.z}), surface.spin[i] + lane);
   store(slip.w, surface.rolling_friction[0] + lane);
   store(rolling.w, surface.torsional_friction[0] + lane);
   for (std::size_t k = lane; k < lane + lanes; ++k) {

@@ -147,8 +147,11 @@ HWY_INLINE void solve_rolling(const ContactBlock& block, SurfaceBlock& surface, 
                               ContactLanes<movable>& c, Residual& residual) {
   const V3 spin = gained_spin(c);
   const Plane mass = Plane::load_from(surface.rolling_mass, lane);
-  const V w1 = hn::Add(load(block.start_normal[1] + lane), dot(c.tangent1, spin));
-  const V w2 = hn::Add(load(block.start_normal[2] + lane), dot(c.tangent2, spin));
+  const auto turning = [&](V start, std::size_t axis, V gained) {
+    return hn::Add(hn::Add(start, gained), load(surface.spin[axis] + lane));
+  };
+  const V w1 = turning(load(block.start_normal[1] + lane), 0, dot(c.tangent1, spin));
+  const V w2 = turning(load(block.start_normal[2] + lane), 1, dot(c.tangent2, spin));
   const V old1 = load(surface.rolling_impulse[0] + lane);
   const V old2 = load(surface.rolling_impulse[1] + lane);
   V new1 = hn::Sub(old1, mass.first(w1, w2));
@@ -188,7 +191,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   V v1 = hn::Add(load(block.start_tangent[0] + lane), dot(c.tangent1, velocity));
   V v2 = hn::Add(load(block.start_tangent[1] + lane), dot(c.tangent2, velocity));
   const V gained_twist = dot(c.normal, gained_spin(c));
-  const V spin = hn::Add(load(block.start_tangent[2] + lane), gained_twist);
+  V spin = hn::Add(load(block.start_tangent[2] + lane), gained_twist);
   const V normal_impulse = normal_impulse_of<what::points>(block, lane);
   const V bound = hn::Mul(load(block.friction + lane), normal_impulse);
   V torsional_bound = hn::Mul(bound, load(block.friction_radius + lane));
@@ -196,6 +199,7 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
     if (surface != nullptr) {
       v1 = hn::Add(v1, load(surface->slip[0] + lane));
       v2 = hn::Add(v2, load(surface->slip[1] + lane));
+      spin = hn::Add(spin, load(surface->spin[2] + lane));
       torsional_bound = hn::Add(torsional_bound, hn::Mul(load(surface->torsional_friction[0] + lane), normal_impulse));
     }
   }

@@ -175,7 +175,7 @@ bool note_surfaces(const SolveInput& input, const IslandGroup& group) {
   if (!with_surfaces || input.surface_contacts == nullptr) return false;
   bool any = input.settings.everything;
   for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], input.added_slip(pair.slot),
+    any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], 0.5 * input.dt, input.added_slip(pair.slot),
                             input.surface_contacts[pair.slot]);
     any |= input.rises != nullptr && input.rises[pair.slot] != 0;
   }

@@ -28,7 +28,8 @@ struct Acting {
     const Vector3 velocity =
         second.velocity + second.spin.cross(contact.arm_second) - first.velocity - first.spin.cross(contact.arm_first);
     return {contact.axes[1].dot(velocity) + contact.friction.runs[0],
-            contact.axes[2].dot(velocity) + contact.friction.runs[1], contact.axes[0].dot(second.spin - first.spin)};
+            contact.axes[2].dot(velocity) + contact.friction.runs[1],
+            contact.axes[0].dot(second.spin - first.spin) + contact.friction.runs[2]};
   }
 
   double load() const {
@@ -101,9 +102,8 @@ Work work_of(const Acting& acting) {
   const std::array<double, 3> after = acting.slip();
   for (std::size_t i = 0; i < 3; ++i) {
     // The speed against a surface that runs, since its motion drives the body.
-    const double runs = i < 2 ? contact.friction.runs[i] : 0;
     work.add(contact.friction.impulse[i], contact.friction.slip_before[i], after[i]);
-    work.given += std::max(-contact.friction.impulse[i] * runs, 0.0);
+    work.given += std::max(-contact.friction.impulse[i] * contact.friction.runs[i], 0.0);
   }
   return work;
 }

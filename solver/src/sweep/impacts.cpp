@@ -267,7 +267,7 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
   rubs.twist_mass = block.twist_mass[lane];
   if (data.surface_blocks != nullptr) {
     const SurfaceBlock& surface = data.surface_blocks[b];
-    rubs.runs = {surface.slip[0][lane], surface.slip[1][lane]};
+    rubs.runs = {surface.slip[0][lane], surface.slip[1][lane], surface.spin[2][lane]};
     rubs.torsional = surface.torsional_friction[0][lane];
   }
   contacts_.push_back(contact);

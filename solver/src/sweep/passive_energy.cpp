@@ -110,7 +110,7 @@ bool is_passive(const SolveInput& input, std::size_t island) {
   const auto links = input.islands.joints(island, island + 1);
   const auto is_led = [&](std::uint32_t body) {
     return bodies.mobility[body] == Mobility::Kinematic ||
-           (!bodies.surfaces.empty() && !bodies.surfaces[body].velocity.isZero(0));
+           (!bodies.surfaces.empty() && !bodies.surfaces[body].motion.is_zero());
   };
   const auto is_led_pair = [&](const auto& pair) { return is_led(pair.first) || is_led(pair.second); };
   return input.added_slips == nullptr &&

@@ -42,8 +42,8 @@ struct ContactLaw {
   std::array<double, collision::max_points> y = {};          ///< m
   std::array<double, collision::max_points> stiffness = {};  ///< N s by m/s
   std::array<double, collision::max_points> bias = {};       ///< m/s: closing speed allowed, or less than 0: to part at
-  std::array<double, 2> slip = {};  ///< m/s, of the surfaces along the tangents, beside the motion
-  bool pyramid = false;             ///< friction is bounded along each tangent by itself
+  Six surfaces = {};                                         ///< how surfaces run beside the motion, for friction alone
+  bool pyramid = false;                                      ///< friction is bounded along each tangent by itself
   double friction_stiffness = 0;
   double torsional_stiffness = 0;
   double rolling_stiffness = 0;
@@ -68,7 +68,8 @@ struct ContactLaw {
   Six total(const ContactAnswer& answer) const;
 
  private:
-  std::array<double, 2> sliding(const Six& motion) const { return {motion[3] + slip[0], motion[4] + slip[1]}; }
+  /// The motion of the surfaces against each other.
+  Six rubbing(const Six& motion) const;
 };
 
 }  // namespace atl::solver

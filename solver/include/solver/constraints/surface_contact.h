@@ -11,11 +11,13 @@ namespace atl::solver {
 /// lasts from step to step like a manifold's, but only while the contact is_pressed() and has rolling friction: an
 /// impulse left by a former contact of the slot, or by another material, must not act on the next one.
 struct alignas(32) SurfaceContact {
-  float slip[3] = {0, 0,
-                   0};  ///< m/s, world frame: of the second surface along its body, against the first along its own
+  /// m/s, world frame, at the contact: of the second surface along its body, against the first along its own.
+  float slip[3] = {0, 0, 0};
   float rolling_friction = 0;            ///< m
   float rolling_impulse[3] = {0, 0, 0};  ///< N m s, in the tangent plane, on the second body
   float torsional_friction = 0;          ///< m
+  float spin[3] = {0, 0, 0};             ///< rad/s, world frame: how the second surface turns so
+  float unused = 0;
 };
 
 /// True if a contact carried a load in the last step.
@@ -26,14 +28,20 @@ inline bool is_pressed(const collision::ContactManifold& manifold) {
   return false;
 }
 
+/// How fast a body's surface runs along it, m/s, world frame, at an arm from its centre of mass (m, likewise).
+Vector3 surface_velocity_at(const BodyTable& bodies, std::uint32_t body, const Vector3& arm);
+/// rad/s, world frame.
+Vector3 surface_spin(const BodyTable& bodies, std::uint32_t body);
+
 /// A slip that is added to what bodies' surfaces make of it: m/s, world frame.
 struct AddedSlip {
   float velocity[3] = {0, 0, 0};
 };
 
 /// Sets the surface effects of a touching pair in this step. Returns true if they are more than plain friction. `added`
-/// may be null.
+/// may be null. `ahead`: s, from the step's begin to when velocities are to be those of the surfaces.
 bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
-                      const collision::ContactManifold& manifold, const AddedSlip* added, SurfaceContact& contact);
+                      const collision::ContactManifold& manifold, double ahead, const AddedSlip* added,
+                      SurfaceContact& contact);
 
 }  // namespace atl::solver

@@ -20,13 +20,22 @@ using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 enum class Mobility : std::uint8_t { Fixed, Kinematic, Dynamic };
 
+/// How a surface runs along its body, which stays. Body frame, about its origin.
+struct SurfaceMotion {
+  Vector3 velocity = Vector3::Zero();          ///< m/s, of what is at the origin
+  Vector3 angular_velocity = Vector3::Zero();  ///< rad/s
+
+  bool is_zero() const { return velocity.isZero(0) && angular_velocity.isZero(0); }
+};
+
 /// The properties of a body's surface beyond plain friction. See atoll/body.h.
 struct Surface {
-  Vector3 velocity = Vector3::Zero();  ///< m/s, body frame
-  double rolling_friction = 0;         ///< m
-  double torsional_friction = 0;       ///< m
+  SurfaceMotion motion;
+  Vector3 centre = Vector3::Zero();  ///< m, body frame, of mass
+  double rolling_friction = 0;       ///< m
+  double torsional_friction = 0;     ///< m
 
-  bool is_plain() const { return velocity.isZero(0) && rolling_friction == 0 && torsional_friction == 0; }
+  bool is_plain() const { return motion.is_zero() && rolling_friction == 0 && torsional_friction == 0; }
 };
 
 /// State and mass properties of all bodies of a world as flat arrays, one entry a body index. It lasts from step to

@@ -104,6 +104,7 @@ struct alignas(64) SurfaceBlock {
   using Lanes = float[n][block_lanes];
 
   Lanes<2> slip;                ///< m/s, along the tangents
+  Lanes<3> spin;                ///< rad/s, about the tangents and the normal
   Lanes<2> rolling_impulse;     ///< N m s, about the tangents
   Lanes<3> rolling_mass;        ///< inverse of the tangential 2 x 2 matrix of spins: 11, 12, 22
   Lanes<1> rolling_friction;    ///< m

@@ -49,7 +49,7 @@ struct ImpactContact {
     double coefficient = 0;
     double radius = 0;                       ///< m, of the points about the centre
     double torsional = 0;                    ///< m
-    std::array<double, 2> runs = {};         ///< m/s, of the surfaces along the tangents
+    std::array<double, 3> runs = {};         ///< m/s, of the surfaces along the tangents, rad/s about the normal
     std::array<double, 3> mass = {};         ///< kg, effective: 11, 12, 22
     double twist_mass = 0;                   ///< kg m^2
     std::array<double, 3> slip_before = {};  ///< m/s along the tangents, rad/s about the normal
