@@ -154,6 +154,12 @@ struct SetMaterial {
   void make(World& world) const { world.set_material(body, material); }
 };
 
+struct SetMaterialPair {
+  MaterialPair pair;
+  static auto fields(auto& self) { return std::tie(self.pair); }
+  void make(World& world) const { world.set_material_pair(pair); }
+};
+
 struct SetMass {
   BodyId body;
   double mass;
@@ -234,7 +240,7 @@ using RecordedCall =
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
                  calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom, calls::SetEnabled,
-                 calls::Sleep, calls::SetJointDefinition, calls::SetHeights>;
+                 calls::Sleep, calls::SetJointDefinition, calls::SetHeights, calls::SetMaterialPair>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {
@@ -255,6 +261,8 @@ void visit_field(Archive& archive, Field& field) {
     visit_text(archive, field);
   } else if constexpr (std::is_same_v<T, Material>) {
     visit_material(archive, field);
+  } else if constexpr (std::is_same_v<T, MaterialPair>) {
+    visit_material_pair(archive, field);
   } else if constexpr (std::is_same_v<T, CollisionFilter>) {
     visit_filter(archive, field);
   } else if constexpr (std::is_same_v<T, JointKind>) {

@@ -38,6 +38,16 @@ void visit_material(Archive& archive, AnyMaterial& material) {
   archive.value(material.torsional_friction);
   archive.value(material.friction_rule);
   archive.value(material.restitution_rule);
+  archive.value(material.id);
+}
+
+template <typename Archive, typename Pair>
+void visit_material_pair(Archive& archive, Pair& pair) {
+  archive.value(pair.first);
+  archive.value(pair.second);
+  for (auto* number : {&pair.friction, &pair.restitution}) {
+    visit_optional(archive, *number, [&](auto& value) { archive.value(value); });
+  }
 }
 
 template <typename Archive, typename Constants>

@@ -25,11 +25,14 @@
 
 #include "state/contact_state.h"
 #include "state/filter_state.h"
+#include "state/geometry_state.h"
 #include "state/joint_state.h"
 #include "state/restore.h"
 #include "state/settings_state.h"
 #include "state/state_archive.h"
+#include "state/world_definition_state.h"
 #include "world/bodies.h"
+#include "world/materials.h"
 #include "world/settings_check.h"
 #include "world/stores.h"
 
@@ -246,6 +249,14 @@ void visit_sleep_news(Archive& archive, AnySleeping& sleeping, std::size_t bodie
   });
 }
 
+template <typename Archive, typename AnyWorld>
+void visit_material_pairs(Archive& archive, AnyWorld& world) {
+  std::vector<MaterialPair> pairs = world.material_pairs;
+  if (Archive::hashes && pairs.empty()) return;
+  visit_each(archive, pairs, 2 * sizeof(std::uint64_t), [&](auto& pair) { visit_material_pair(archive, pair); });
+  if constexpr (Archive::reads) restore_material_pairs(world, std::move(pairs));
+}
+
 /// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its world
 /// definition.
 template <typename Archive, typename AnyWorld>
@@ -259,6 +270,7 @@ class WorldState {
     visit_globals();
     visit_bodies();
     visit_surfaces();
+    visit_material_pairs(archive_, world_);
     visit_sleeping();
     visit_quarantine();
     visit_selection();
@@ -679,9 +691,9 @@ class WorldState {
   // put into one. Stores with private members have a list of their own, which is where nobody else can name them.
   void check_members() {
     {
-      auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, choices, surface_contacts,
-             sleeping, quarantine, selection, control, results, /**/ contents, colliders, active, reaches, changes] =
-          world_;
+      auto& [gravity, settings, clock, bodies, records, joints, broadphase, aabbs, cache, choices, material_pairs,
+             surface_contacts, sleeping, quarantine, selection, control, results, /**/ contents, colliders, active,
+             reaches, changes] = world_;
       static_cast<void>(gravity);
     }
     {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "world/materials.h"
+
 namespace atl {
 
 void add_colliders(Stores& world, std::uint32_t body) {
@@ -119,36 +121,6 @@ void move_proxies(Stores& world, std::uint32_t body) {
   if (!world.quarantine.contains(body)) world.aabbs.move(body, motions(world), world.broadphase);
 }
 
-namespace {
-
-double combined(double a, double b, CombineRule rule) {
-  switch (rule) {
-    case CombineRule::Average:
-      return 0.5 * (a + b);
-    case CombineRule::Min:
-      return std::min(a, b);
-    case CombineRule::Multiply:
-      return a * b;
-    case CombineRule::Max:
-      return std::max(a, b);
-    case CombineRule::Default:
-    case CombineRule::GeometricMean:
-      break;
-  }
-  return std::sqrt(a * b);
-}
-
-double friction_of(const Material& a, const Material& b) {
-  return combined(a.friction, b.friction, std::max(a.friction_rule, b.friction_rule));
-}
-
-double restitution_of(const Material& a, const Material& b) {
-  const CombineRule rule = std::max(a.restitution_rule, b.restitution_rule);
-  return combined(a.restitution, b.restitution, rule == CombineRule::Default ? CombineRule::Max : rule);
-}
-
-}  // namespace
-
 collision::ContactCache::Start contact_start(const Stores& world, collision::Pair pair, std::uint8_t material) {
   const std::uint32_t first = world.colliders.body[pair.first];
   const std::uint32_t second = world.colliders.body[pair.second];
@@ -160,8 +132,8 @@ collision::ContactCache::Start contact_start(const Stores& world, collision::Pai
   const bool surface = collision::is_surface(shape_first.kind) || collision::is_surface(shape_second.kind);
   return {.body_first = first,
           .body_second = second,
-          .friction = static_cast<float>(friction_of(a, b) + 0.0),  // -0 is 0
-          .restitution = static_cast<float>(restitution_of(a, b)),
+          .friction = static_cast<float>(friction_of(world, a, b) + 0.0),  // -0 is 0
+          .restitution = static_cast<float>(restitution_of(world, a, b)),
           .size = static_cast<float>(std::min(shape_first.inner_radius, shape_second.inner_radius)),
           .has_local_offset =
               world.colliders.has_local_offset[pair.first] != 0 || world.colliders.has_local_offset[pair.second] != 0,

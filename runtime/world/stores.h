@@ -85,6 +85,7 @@ struct Stores {
   collision::BodyAabbs aabbs = {};
   collision::ContactCache cache = {};
   ContactChoices choices = {};
+  std::vector<MaterialPair> material_pairs = {};              ///< the lower id first, in order
   std::vector<solver::SurfaceContact> surface_contacts = {};  ///< by contact slot; empty while all surfaces are plain
 
   ActiveBodies active = {};

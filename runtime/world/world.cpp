@@ -32,6 +32,7 @@
 #include "world/joints.h"
 #include "world/left_out.h"
 #include "world/make_joint.h"
+#include "world/materials.h"
 #include "world/put_to_sleep.h"
 #include "world/redefine.h"
 #include "world/refuse.h"
@@ -585,6 +586,15 @@ void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
   atl::set_collision_enabled(impl_->stores, first, second, enabled);
   note<calls::SetCollisionEnabled>(*impl_, a, b, enabled);
 }
+
+void World::set_material_pair(const MaterialPair& pair) {
+  impl_->check_idle("set_material_pair");
+  check(pair);
+  atl::set_material_pair(impl_->stores, pair);
+  note<calls::SetMaterialPair>(*impl_, pair);
+}
+
+std::span<const MaterialPair> World::material_pairs() const { return impl_->stores.material_pairs; }
 
 void World::set_contact_filter(ContactFilter filter) {
   impl_->check_idle("set_contact_filter");

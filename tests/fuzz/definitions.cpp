@@ -155,6 +155,7 @@ Material Definitions::material() {
   if (bytes_.one_in(4)) material.torsional_friction = number(0, 0.1);
   if (bytes_.one_in(4)) material.friction_rule = static_cast<CombineRule>(bytes_.below(6));
   if (bytes_.one_in(4)) material.restitution_rule = static_cast<CombineRule>(bytes_.below(6));
+  if (bytes_.one_in(4)) material.id = bytes_.below(3);
   return material;
 }
 

@@ -96,6 +96,10 @@ inline const std::vector<Change>& changes() {
        [](Yard& yard) {
          yard.world.set_velocity(yard.ids[3], {1, 2, 3}, {4, 5, 6});
        }},
+      {"a pair of materials", kind_of<calls::SetMaterialPair>(),
+       [](Yard& yard) {
+         yard.world.set_material_pair({.first = 2, .second = 1, .friction = 0.9, .restitution = 0.5});
+       }},
       {"a belt", kind_of<calls::SetSurfaceVelocity>(),
        [](Yard& yard) {
          yard.world.set_surface_velocity(yard.ids[0], {1, 0.5, 0}, {0, 0, 0.5});

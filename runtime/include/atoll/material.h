@@ -2,6 +2,7 @@
 /// Surface properties of a body, and the filter of bodies that it may touch.
 
 #include <cstdint>
+#include <optional>
 
 namespace atl {
 
@@ -29,8 +30,19 @@ struct Material {
   double torsional_friction = 0;
   CombineRule friction_rule = CombineRule::Default;
   CombineRule restitution_rule = CombineRule::Default;
+  std::uint64_t id = 0;  ///< a number of yours for World::set_material_pair(), or 0
 
   bool operator==(const Material&) const = default;
+};
+
+/// Numbers of two materials that touch, whatever would follow from each. Those left out still follow from them.
+struct MaterialPair {
+  std::uint64_t first = 0;  ///< Material::id of the two, in either order; not 0
+  std::uint64_t second = 0;
+  std::optional<double> friction = {};     ///< Coulomb coefficient, >= 0
+  std::optional<double> restitution = {};  ///< Newton coefficient, in [0, 1]
+
+  bool operator==(const MaterialPair&) const = default;
 };
 
 /// Which bodies may touch. Two do if the mask of each has a bit of the other's category, unless they share a

@@ -44,6 +44,7 @@ struct Scene {
   Settings settings = {};
   /// The bodies start in their ideal rest pose, so sink, drift and tilt are errors.
   bool starts_at_rest = false;
+  std::vector<MaterialPair> material_pairs = {};
   std::vector<SceneBody> bodies = {};
   std::vector<SceneJoint> joints = {};
   std::optional<ClosedForm> closed_form = {};  ///< of a scene whose motion is known

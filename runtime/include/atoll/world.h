@@ -275,6 +275,13 @@ class World {
   /// them apart do so either way.
   void set_collision_enabled(BodyId a, BodyId b, bool enabled);
 
+  /// Sets friction and restitution between two materials, by Material::id, and wakes who touches by it. Replaces what
+  /// was set for the two before; a pair that says neither takes that back. Throws Error on an id of 0 and on numbers
+  /// out of range.
+  void set_material_pair(const MaterialPair& pair);
+  /// All of them, the lower id first, in order. Valid until the next call that isn't const.
+  std::span<const MaterialPair> material_pairs() const;
+
   /// Sets a function that says whether two shapes may touch, for what masks and groups can't say; an empty one unsets
   /// it. Steps ask it, once, as the bounds of two shapes, with the margins that they have in the broadphase, come to
   /// overlap: pairs with a dynamic body that filters, disabled pairs and joints let touch. What it says holds until

@@ -73,6 +73,7 @@ from ._core import (
     JointState as JointState,
     MassProperties as MassProperties,
     Material as Material,
+    MaterialPair as MaterialPair,
     Mechanism as Mechanism,
     MechanismJoint as MechanismJoint,
     MechanismMomentum as MechanismMomentum,

@@ -39,7 +39,8 @@ struct type_caster<atl::Scene> : type_caster_base<atl::Scene> {
       atl::Scene& scene = *this;
       const object get = lists.attr("get");
       return atl::python::read_parts(get("bodies"), "bodies", scene.bodies) &&
-             atl::python::read_parts(get("joints"), "joints", scene.joints);
+             atl::python::read_parts(get("joints"), "joints", scene.joints) &&
+             atl::python::read_parts(get("material_pairs"), "material_pairs", scene.material_pairs);
     } catch (python_error&) {
       return false;
     }

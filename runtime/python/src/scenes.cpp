@@ -74,9 +74,11 @@ void bind_scene(nb::module_& module) {
   bind(Field{"name", &Scene::name, ""}, Field{"gravity", &Scene::gravity, "m/s^2, shape (3,)"},
        Field{"dt", &Scene::dt, "s"}, Field{"steps", &Scene::steps, "how many it is meant for"},
        Field{"settings", &Scene::settings, ""}, Field{"starts_at_rest", &Scene::starts_at_rest, ""},
-       Field{"bodies", &Scene::bodies, ""}, Field{"joints", &Scene::joints, ""});
+       Field{"material_pairs", &Scene::material_pairs, ""}, Field{"bodies", &Scene::bodies, ""},
+       Field{"joints", &Scene::joints, ""});
   bind_list(scene, "bodies", &Scene::bodies);
   bind_list(scene, "joints", &Scene::joints);
+  bind_list(scene, "material_pairs", &Scene::material_pairs);
   scene.def("__copy__", [](const Scene& self) { return self; })
       .def(
           "__deepcopy__", [](const Scene& self, const nb::dict&) { return self; }, nb::arg("memo"),

@@ -90,7 +90,15 @@ void bind_types(nb::module_& module) {
                   Field{"torsional_friction", &Material::torsional_friction,
                         "m, >= 0: the torque that holds back spinning about the normal, over the normal force"},
                   Field{"friction_rule", &Material::friction_rule, "how friction follows from that of both"},
-                  Field{"restitution_rule", &Material::restitution_rule, "how restitution does"});
+                  Field{"restitution_rule", &Material::restitution_rule, "how restitution does"},
+                  Field{"id", &Material::id, "a number of yours for set_material_pair(), or 0"});
+  nb::class_<MaterialPair> pair(module, "MaterialPair",
+                                "What holds between two materials, whatever would follow from each.");
+  bind_definition(
+      pair, Field{"first", &MaterialPair::first, "the id of a material, not 0"},
+      Field{"second", &MaterialPair::second, "that of the other, or the same"},
+      Field{"friction", &MaterialPair::friction, "Coulomb's coefficient, >= 0; as without the pair if None"},
+      Field{"restitution", &MaterialPair::restitution, "in [0, 1], likewise"});
 
   nb::class_<CollisionFilter> filter(
       module, "CollisionFilter",

@@ -104,6 +104,12 @@ void bind_bodies(Class& world) {
       .def("set_filter", &World::set_filter, nb::arg("body"), nb::arg("filter"))
       .def("material", &World::material, nb::arg("body"))
       .def("set_material", &World::set_material, nb::arg("body"), nb::arg("material"))
+      .def("set_material_pair", &World::set_material_pair, nb::arg("pair"),
+           "Friction and restitution between two materials, by Material.id. A pair that says neither takes it back.")
+      .def_prop_ro("material_pairs",
+                   [](const World& self) {
+                     return std::vector<MaterialPair>(self.material_pairs().begin(), self.material_pairs().end());
+                   })
       .def("set_mass", &World::set_mass, nb::arg("body"), nb::arg("mass"), "kg, > 0; the inertia changes likewise")
       .def("set_gravity_scale", &World::set_gravity_scale, nb::arg("body"), nb::arg("scale"))
       .def("set_damping", &World::set_damping, nb::arg("body"), nb::arg("linear"), nb::arg("angular"), "1/s, >= 0")

@@ -75,6 +75,7 @@ std::vector<BodyId> build_scene(const Scene& scene, World& world) {
 }
 
 std::vector<BodyId> build_scene(const Scene& scene, World& world, std::vector<JointId>& joints) {
+  for (const MaterialPair& pair : scene.material_pairs) world.set_material_pair(pair);
   std::vector<BodyId> ids;
   ids.reserve(scene.bodies.size());
   for (const SceneBody& body : scene.bodies) {
@@ -97,6 +98,7 @@ std::vector<BodyId> build_scene(const Scene& scene, World& world, std::vector<Jo
 
 Scene scene_of(const World& world) {
   Scene scene{.gravity = world.gravity(), .settings = world.settings()};
+  scene.material_pairs.assign(world.material_pairs().begin(), world.material_pairs().end());
   std::map<BodyId, std::size_t> places;
   for (const BodyId id : world.bodies()) {
     places[id] = scene.bodies.size();

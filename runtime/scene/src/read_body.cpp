@@ -124,7 +124,7 @@ CombineRule read_rule(const Reader& in) {
 
 Material read_material(const Reader& in) {
   in.only_keys(
-      {"friction", "restitution", "rolling_friction", "torsional_friction", "friction_rule", "restitution_rule"});
+      {"friction", "restitution", "rolling_friction", "torsional_friction", "friction_rule", "restitution_rule", "id"});
   Material material;
   get(in, "friction", material.friction, at_least(0));
   get(in, "restitution", material.restitution, between(0, 1));
@@ -132,7 +132,20 @@ Material read_material(const Reader& in) {
   get(in, "torsional_friction", material.torsional_friction, at_least(0));
   if (const auto rule = in.find("friction_rule")) material.friction_rule = read_rule(*rule);
   if (const auto rule = in.find("restitution_rule")) material.restitution_rule = read_rule(*rule);
+  get(in, "id", material.id);
   return material;
+}
+
+MaterialPair read_material_pair(const Reader& in) {
+  in.only_keys({"first", "second", "friction", "restitution"});
+  MaterialPair pair;
+  for (auto [key, id] : {std::pair("first", &pair.first), std::pair("second", &pair.second)}) {
+    get(in, key, *id);
+    if (*id == 0) in.fail_at(key, "no material", "the id of one, above 0");
+  }
+  get(in, "friction", pair.friction, at_least(0));
+  get(in, "restitution", pair.restitution, between(0, 1));
+  return pair;
 }
 
 CollisionFilter read_filter(const Reader& in) {

@@ -110,7 +110,7 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
   // The format first: of another kind of file, no other message would make sense.
   read_format(in);
   in.only_keys({"format", "version", "name", "description", "gravity", "dt", "steps", "starts_at_rest", "settings",
-                "materials", "shapes", "bodies", "generators", "joints"});
+                "materials", "material_pairs", "shapes", "bodies", "generators", "joints"});
   check_memory(document);
 
   Scene scene;
@@ -124,6 +124,11 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
   if (const auto settings = in.find("settings")) scene.settings = read_settings(*settings);
 
   const Library library = read_library(in);
+  if (const auto pairs = in.find("material_pairs")) {
+    for (std::size_t i = 0; i < pairs->size("an array of pairs of materials"); ++i) {
+      scene.material_pairs.push_back(read_material_pair(pairs->element(i)));
+    }
+  }
   BodyList list(scene.bodies);
   if (const auto bodies = in.find("bodies")) read_bodies(*bodies, library, list);
   if (const auto generators = in.find("generators")) read_generators(*generators, library, seed, list);

@@ -20,6 +20,7 @@ struct Library {
 
 Settings read_settings(const Reader& in);
 Material read_material(const Reader& in);
+MaterialPair read_material_pair(const Reader& in);
 CollisionFilter read_filter(const Reader& in);
 Quaternion read_orientation(const Reader& in);
 Shape read_shape(const Reader& in);

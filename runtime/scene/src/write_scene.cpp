@@ -85,6 +85,14 @@ Json json(const Material& material) {
   if (material.friction_rule != CombineRule::Default) out["friction_rule"] = name(material.friction_rule, rules);
   if (material.restitution_rule != CombineRule::Default)
     out["restitution_rule"] = name(material.restitution_rule, rules);
+  if (material.id != 0) out["id"] = json(material.id);
+  return out;
+}
+
+Json json(const MaterialPair& pair) {
+  Json out = {{"first", json(pair.first)}, {"second", json(pair.second)}};
+  if (pair.friction) out["friction"] = *pair.friction;
+  if (pair.restitution) out["restitution"] = *pair.restitution;
   return out;
 }
 
@@ -376,6 +384,7 @@ std::string scene_text(const Scene& scene) {
   out["steps"] = scene.steps;
   if (scene.starts_at_rest) out["starts_at_rest"] = true;
   out["settings"] = json(scene.settings);
+  for (const MaterialPair& pair : scene.material_pairs) out["material_pairs"].push_back(json(pair));
   // A line each for bodies and joints: files of thousands of them are still read by people, and compared line by line.
   check_finite(out, "");
   std::string text = out.dump(2);
