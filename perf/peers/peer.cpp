@@ -98,6 +98,7 @@ const char* found_beside(const atl::BodyDef& def) {
   if (!(def.locks == atl::MotionLocks())) return "motion locks";
   if (def.material.rolling_friction > 0) return "rolling friction";
   if (def.material.torsional_friction > 0) return "torsional friction";
+  if (def.material.is_directed()) return "a direction of friction";
   if (def.material.friction_rule != atl::CombineRule::Default) return "a rule for friction";
   if (def.material.restitution_rule != atl::CombineRule::Default) return "a rule for restitution";
   if (!def.materials.empty()) return "materials of triangles";

@@ -115,9 +115,10 @@ class Search {
 
 ReferenceSolution solve_contact_problem(const ContactProblem& problem, double tolerance) {
   for (const ContactProblem::Patch& patch : problem.patches) {
-    if (patch.torsional_friction > 0 || patch.rolling_friction > 0 || !patch.slip.isZero(0) || !patch.spin.isZero(0)) {
+    if (patch.torsional_friction > 0 || patch.rolling_friction > 0 || !patch.slip.isZero(0) || !patch.spin.isZero(0) ||
+        patch.friction_ratio != 1) {
       throw Error(
-          "contact problem: found a patch with rolling or torsional friction or a running surface, expected "
+          "contact problem: found a patch with rolling, torsional or uneven friction or a running surface, expected "
           "plain friction");
     }
   }

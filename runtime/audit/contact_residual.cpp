@@ -52,6 +52,9 @@ void check(const ContactProblem& problem) {
       if (!(value >= 0))
         refuse(i, std::string("found ") + name + " " + std::to_string(value) + " m, expected a length >= 0");
     };
+    if (!(patch.friction_ratio > 0 && patch.friction_ratio <= 1)) {
+      refuse(i, "found a friction ratio of " + std::to_string(patch.friction_ratio) + ", expected one in (0, 1]");
+    }
     check_length("radius", patch.radius);
     check_length("torsional friction", patch.torsional_friction);
     check_length("rolling friction", patch.rolling_friction);
@@ -70,7 +73,13 @@ void check(const ContactProblem& problem) {
 class Rows {
  public:
   Rows(const ContactProblem& problem, const ContactProblem::Patch& patch)
-      : patch_(patch), tangents_{patch.tangent, patch.normal.cross(patch.tangent)} {
+      : patch_(patch),
+        tangents_{patch.tangent, patch.normal.cross(patch.tangent)},
+        sliding_{tangents_[0], tangents_[1]} {
+    if (!patch.friction_axis.isZero(0)) {
+      sliding_[0] = patch.friction_axis;
+      sliding_[1] = patch.friction_ratio * patch.normal.cross(patch.friction_axis);
+    }
     if (patch.first != ContactProblem::fixed) first_ = &problem.bodies[patch.first];
     if (patch.second != ContactProblem::fixed) second_ = &problem.bodies[patch.second];
   }
@@ -100,7 +109,7 @@ class Rows {
     const Vector3 spin = second.angular - first.angular;
     const Vector3 sliding = at_centre + patch_.slip, turning = spin + patch_.spin;
     PatchVector u{.points = patch_.points.size(),
-                  .tangential = along_tangents(sliding),
+                  .tangential = {sliding_[0].dot(sliding), sliding_[1].dot(sliding)},
                   .torsional = torsional_arm(patch_) * patch_.normal.dot(turning),
                   .rolling = patch_.rolling_friction * along_tangents(turning)};
     for (std::size_t i = 0; i < u.points; ++i) {
@@ -111,7 +120,8 @@ class Rows {
 
   PatchVector impulse() const {
     PatchVector r{.points = patch_.points.size(),
-                  .tangential = along_tangents(patch_.friction_impulse),
+                  .tangential = {sliding_[0].dot(patch_.friction_impulse),
+                                 sliding_[1].dot(patch_.friction_impulse) / sliding_[1].squaredNorm()},
                   .torsional = per_arm(patch_.torsional_impulse, torsional_arm(patch_)),
                   .rolling = {per_arm(tangents_[0].dot(patch_.rolling_impulse), patch_.rolling_friction),
                               per_arm(tangents_[1].dot(patch_.rolling_impulse), patch_.rolling_friction)}};
@@ -159,6 +169,7 @@ class Rows {
 
   const ContactProblem::Patch& patch_;
   Vector3 tangents_[2];
+  Vector3 sliding_[2];  // in which the bound of friction is a disc
   const ContactProblem::Body* first_ = nullptr;
   const ContactProblem::Body* second_ = nullptr;
 };

@@ -23,9 +23,11 @@ bool is_not_negative(double value) { return value >= 0 && value <= numbers.most;
 bool is_unit(double squared_length) { return std::abs(squared_length - 1) < 1e-9; }
 
 bool is_valid(const Material& material) {
-  return is_not_negative(material.friction) && material.restitution >= 0 && material.restitution <= 1 &&
-         is_not_negative(material.rolling_friction) && is_not_negative(material.torsional_friction) &&
-         material.friction_rule <= CombineRule::Max && material.restitution_rule <= CombineRule::Max;
+  return is_not_negative(material.friction) && is_not_negative(material.friction_across) &&
+         Vector3(material.friction_direction.data()).allFinite() && material.restitution >= 0 &&
+         material.restitution <= 1 && is_not_negative(material.rolling_friction) &&
+         is_not_negative(material.torsional_friction) && material.friction_rule <= CombineRule::Max &&
+         material.restitution_rule <= CombineRule::Max;
 }
 
 bool are_same(const Shape& a, const Shape& b) {

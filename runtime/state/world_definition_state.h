@@ -33,6 +33,8 @@ void visit_shape(Archive& archive, Shape& shape) {
 template <typename Archive, typename AnyMaterial>
 void visit_material(Archive& archive, AnyMaterial& material) {
   archive.value(material.friction);
+  archive.value(material.friction_across);
+  archive.values(material.friction_direction.data(), 3);
   archive.value(material.restitution);
   archive.value(material.rolling_friction);
   archive.value(material.torsional_friction);
@@ -45,7 +47,7 @@ template <typename Archive, typename Pair>
 void visit_material_pair(Archive& archive, Pair& pair) {
   archive.value(pair.first);
   archive.value(pair.second);
-  for (auto* number : {&pair.friction, &pair.restitution}) {
+  for (auto* number : {&pair.friction, &pair.friction_across, &pair.restitution}) {
     visit_optional(archive, *number, [&](auto& value) { archive.value(value); });
   }
 }

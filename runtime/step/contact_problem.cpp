@@ -69,6 +69,13 @@ ContactProblem contact_problem(const Stores& world, std::span<const solver::Touc
       patch.rolling_friction = surface.rolling_friction;
       patch.slip = vector(surface.slip);
       patch.spin = vector(surface.spin);
+      if (solver::is_uneven(surface)) {
+        const Vector3 grip = vector(surface.grip);
+        patch.friction *= grip.norm();
+        patch.radius *= surface.twist / grip.norm();
+        patch.friction_axis = (grip - normal.dot(grip) * normal).normalized();
+        patch.friction_ratio = surface.ratio;
+      }
       patch.rolling_impulse = rolling - normal.dot(rolling) * normal;
     }
     if (answer.planar) {

@@ -17,6 +17,7 @@
 #include "step/results.h"
 #include "world/bodies.h"
 #include "world/colliders.h"
+#include "world/materials.h"
 #include "world/settings_check.h"
 
 namespace atl {
@@ -214,7 +215,8 @@ const SolvePhase::GroupSettings* SolvePhase::find_settings(const solver::IslandG
 
 namespace {
 
-// Writes rolling and torsional friction of each contact: the larger of its two materials' values.
+// Writes rolling and torsional friction of each contact, the larger of its two materials' values, and how friction
+// depends on its direction.
 void note_resistance(Stores& world, const solver::Islands& islands) {
   world.surface_contacts.resize(world.cache.manifolds.size());
   for (const solver::TouchingPair& pair : islands.contacts(0, islands.count())) {
@@ -224,6 +226,7 @@ void note_resistance(Stores& world, const solver::Islands& islands) {
     solver::SurfaceContact& contact = world.surface_contacts[pair.slot];
     contact.rolling_friction = static_cast<float>(std::max(a.rolling_friction, b.rolling_friction));
     contact.torsional_friction = static_cast<float>(std::max(a.torsional_friction, b.torsional_friction));
+    note_grip(world, world.cache.contacts[pair.slot], a, b, world.cache.manifolds[pair.slot], contact);
   }
 }
 

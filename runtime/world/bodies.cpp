@@ -308,6 +308,7 @@ void run_surface(Stores& world, std::uint32_t body, const solver::SurfaceMotion&
   for_each_material(*world.records.constants[body], [&](const Material& material) {
     surface.rolling_friction = std::max(surface.rolling_friction, material.rolling_friction);
     surface.torsional_friction = std::max(surface.torsional_friction, material.torsional_friction);
+    surface.uneven |= material.is_directed();
   });
   set_surface(world, body, surface);
 }

@@ -276,9 +276,16 @@ std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& sh
   return colliders;
 }
 
+double most_friction(const Material& material) {
+  if (!material.is_directed()) return material.friction;
+  return std::max(material.friction, material.friction_across);
+}
+
 void check(const char* field, const Material& material) {
   const std::string name = field;
   check_not_negative(name + ".friction", material.friction);
+  check_not_negative(name + ".friction_across", material.friction_across);
+  check_finite(name + ".friction_direction", Vector3(material.friction_direction.data()));
   if (!(material.restitution >= 0 && material.restitution <= 1)) {
     refuse(name + ".restitution", material.restitution, "a number in [0, 1]");
   }

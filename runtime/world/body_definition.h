@@ -79,6 +79,8 @@ void for_each_material(const BodyConstants& body, const Visit& visit) {
   for (const CheckedCollider& collider : body.colliders) visit(collider.material ? *collider.material : body.material);
   for (const Material& material : body.materials) visit(material);
 }
+/// Coulomb coefficient, in the direction in which it is largest.
+double most_friction(const Material& material);
 bool has_own_materials(const BodyConstants& body);
 bool has_own_filters(const BodyConstants& body);
 

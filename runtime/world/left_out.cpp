@@ -26,6 +26,9 @@ void check_built_for(const BodyConstants& body) {
     if (!with_surfaces && (material.rolling_friction > 0 || material.torsional_friction > 0)) {
       throw_left_out("BodyDef.material.rolling_friction or torsional_friction is above 0", "these", "SURFACES");
     }
+    if (!with_surfaces && material.is_directed()) {
+      throw_left_out("BodyDef.material.friction_direction is not zero", "friction by direction", "SURFACES");
+    }
   });
   if (!with_continuous && body.continuous) {
     throw_left_out("BodyDef.continuous is true", "sweeps of fast bodies", "CONTINUOUS");

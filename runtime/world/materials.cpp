@@ -14,6 +14,9 @@
 namespace atl {
 namespace {
 
+// The least part of a contact's friction: less is none in the single precision of sweeps.
+constexpr double least_part = 1e-6;
+
 double combined(double a, double b, CombineRule rule) {
   switch (rule) {
     case CombineRule::Average:
@@ -58,6 +61,10 @@ void check(const MaterialPair& pair) {
     if (id == 0) throw Error("MaterialPair: found a material of id 0; expected two with a Material::id above 0");
   }
   if (pair.friction) check_not_negative("MaterialPair.friction", *pair.friction);
+  if (pair.friction_across) check_not_negative("MaterialPair.friction_across", *pair.friction_across);
+  if (pair.friction_across && !pair.friction) {
+    throw Error("MaterialPair.friction_across is given without friction; expected both");
+  }
   const double restitution = pair.restitution.value_or(0);
   if (!(restitution >= 0 && restitution <= 1)) {
     refuse("MaterialPair.restitution", restitution, "a number in [0, 1]");
@@ -108,8 +115,77 @@ const MaterialPair* find_pair(const Stores& world, const Material& a, const Mate
 
 double friction_of(const Stores& world, const Material& a, const Material& b) {
   const MaterialPair* pair = find_pair(world, a, b);
-  if (pair != nullptr && pair->friction) return *pair->friction;
-  return combined(a.friction, b.friction, std::max(a.friction_rule, b.friction_rule));
+  if (pair == nullptr || !pair->friction) {
+    return combined(most_friction(a), most_friction(b), std::max(a.friction_rule, b.friction_rule));
+  }
+  const bool is_directed = a.is_directed() || b.is_directed();
+  return std::max(*pair->friction, is_directed ? pair->friction_across.value_or(0) : 0);
+}
+
+namespace {
+
+// A material's friction in the world frame, half way through the step. In all directions it is the ellipsoid that has
+// `along` as the half axis in its direction, and `across` as the two others.
+struct DirectedFriction {
+  Vector3 direction = Vector3::Zero();  // unit, or zero
+  double along = 0, across = 0;
+
+  // The half width, along the unit vector t, of its shadow on a plane that holds t.
+  double in(const Vector3& t) const {
+    const double cosine = direction.dot(t), part = std::min(cosine * cosine, 1.0);
+    return std::sqrt(along * along * part + across * across * (1 - part));
+  }
+  double unevenness() const { return std::abs(along - across) / std::max({along, across, 1e-300}); }
+};
+
+DirectedFriction directed(const Stores& world, std::uint32_t body, const Material& material) {
+  if (!material.is_directed()) return {.along = material.friction, .across = material.friction};
+  const solver::BodyTable& bodies = world.bodies;
+  const Vector3 now = bodies.orientation(body) * Vector3(material.friction_direction.data()).stableNormalized();
+  const Vector3 then = now + 0.5 * world.clock.dt * bodies.angular_velocity(body).cross(now);
+  return {then.normalized(), material.friction, material.friction_across};
+}
+
+}  // namespace
+
+void note_grip(const Stores& world, const collision::Contact& contact, const Material& first, const Material& second,
+               const collision::ContactManifold& manifold, solver::SurfaceContact& surface) {
+  std::fill_n(surface.grip, 3, 0.0f);
+  surface.twist = surface.ratio = 1;
+  if (!first.is_directed() && !second.is_directed()) return;
+  DirectedFriction a = directed(world, contact.body_first, first), b = directed(world, contact.body_second, second);
+  const double most = friction_of(world, first, second);
+  if (!(most > 0)) return;
+  const bool by_second = a.direction.isZero(0) || (!b.direction.isZero(0) && b.unevenness() > a.unevenness());
+  const Vector3 direction = by_second ? b.direction : a.direction;
+  const collision::Tangents frame = collision::tangents(manifold.normal);
+  const auto vector = [](const auto& v) { return Vector3(v[0], v[1], v[2]); };
+  const Vector3 normal = vector(manifold.normal), in_plane = direction - normal.dot(direction) * normal;
+  const Vector3 along = in_plane.norm() > 1e-9 ? in_plane.normalized() : vector(frame.first);
+  const Vector3 across = normal.cross(along);
+  const MaterialPair* pair = find_pair(world, first, second);
+  if (pair != nullptr && pair->friction) {
+    a = b = {direction, *pair->friction, pair->friction_across.value_or(*pair->friction)};
+  }
+  const CombineRule rule = std::max(first.friction_rule, second.friction_rule);
+  const auto part = [&](const Vector3& t) {
+    return (pair != nullptr && pair->friction ? a.in(t) : combined(a.in(t), b.in(t), rule)) / most;
+  };
+  const double parts[2] = {part(along), part(across)};
+  const bool crosswise = parts[1] > parts[0];
+  const double greater = std::max(parts[crosswise], least_part);
+  const Vector3 grip = greater * (crosswise ? across : along);
+  for (int i = 0; i < 3; ++i) surface.grip[i] = static_cast<float>(grip[i]);
+  surface.ratio = static_cast<float>(std::max(parts[!crosswise] / greater, least_part));
+  // A point that turns about the centre slips across its arm.
+  double turning = 0, arms = 0;
+  for (int i = 0; i < contact.count; ++i) {
+    if (manifold.separation[i] >= collision::no_point) continue;
+    const Vector3 arm = manifold.x[i] * vector(frame.first) + manifold.y[i] * vector(frame.second);
+    turning += Eigen::Vector2d(parts[0] * arm.dot(across), parts[1] * arm.dot(along)).norm();
+    arms += arm.norm();
+  }
+  surface.twist = arms > 0 ? static_cast<float>(turning / arms) : 1;
 }
 
 double restitution_of(const Stores& world, const Material& a, const Material& b) {

@@ -17,8 +17,12 @@ void restore_material_pairs(Stores& world, std::vector<MaterialPair> pairs);
 /// Null where nothing was said of the two.
 const MaterialPair* find_pair(const Stores& world, const Material& a, const Material& b);
 
-/// Of two bodies that touch, in all directions.
+/// Coulomb coefficient of two bodies that touch, in the direction in which it is largest.
 double friction_of(const Stores& world, const Material& a, const Material& b);
+/// Says how the friction of two that touch depends on its direction. They are where they will be half way through the
+/// step.
+void note_grip(const Stores& world, const collision::Contact& contact, const Material& first, const Material& second,
+               const collision::ContactManifold& manifold, solver::SurfaceContact& surface);
 double restitution_of(const Stores& world, const Material& a, const Material& b);
 
 }  // namespace atl

@@ -156,6 +156,8 @@ Material Definitions::material() {
   if (bytes_.one_in(4)) material.friction_rule = static_cast<CombineRule>(bytes_.below(6));
   if (bytes_.one_in(4)) material.restitution_rule = static_cast<CombineRule>(bytes_.below(6));
   if (bytes_.one_in(4)) material.id = bytes_.below(3);
+  if (bytes_.one_in(6)) Eigen::Map<Vector3>(material.friction_direction.data()) = vector(2);
+  material.friction_across = number(0, 1.2);
   return material;
 }
 

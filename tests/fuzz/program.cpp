@@ -272,7 +272,8 @@ void change_settings(Run& run) {
 
 void change_gravity(Run& run) {
   if (run.bytes.one_in(4)) {
-    const MaterialPair pair{1, 1 + run.bytes.below(2), run.definitions.number(0, 1.2), run.definitions.number(0, 1)};
+    const auto number = [&](double most) { return run.definitions.number(0, most); };
+    const MaterialPair pair{1, 1 + run.bytes.below(2), number(1.2), number(1.2), number(1)};
     run.call("set_material_pair", [&](World& world, std::size_t) { world.set_material_pair(pair); });
   }
   const Vector3 gravity = run.bytes.flag() ? Vector3(0, 0, -9.81) : run.definitions.vector(12);

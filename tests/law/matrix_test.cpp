@@ -119,6 +119,15 @@ std::vector<Feature> features() {
     s.box.velocity = {2, 1, 0};
     s.box.material.friction = s.floor.material.friction = 0.5;
   }));
+  for (const FrictionModel model : {FrictionModel::Cone, FrictionModel::Pyramid}) {
+    const std::string name = model == FrictionModel::Cone ? "cone_by_direction" : "pyramid_by_direction";
+    all.push_back(sliding(name, 0.5, [=](Sliding& s) {
+      s.settings.friction = model;
+      s.box.velocity = {2, 1, 0};
+      s.box.material = {.friction = 0.1, .friction_across = 0.6, .friction_direction = {2, 1, 0}};
+      s.floor.material.friction = 0.5;
+    }));
+  }
   all.push_back(sliding("no_friction", 2, [](Sliding& s) {
     s.box.velocity = {2, 1, 0};
     s.box.material.friction = 0;

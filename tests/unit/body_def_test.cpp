@@ -66,6 +66,8 @@ TEST(BodyDef, StateMustBeFinite) {
       {{.velocity = {0, 0, -infinity}}, "velocity", "inf"},
       {{.angular_velocity = {nan, 0, 0}}, "angular_velocity", "nan"},
       {{.surface_velocity = {0, nan, 0}}, "surface_velocity", "nan"},
+      {{.material = {.friction_across = -1}}, "friction_across", "-1"},
+      {{.material = {.friction_direction = {nan, 0, 0}}}, "friction_direction", "nan"},
       {{.surface_angular_velocity = {0, nan, 0}}, "surface_angular_velocity", "nan"},
       {{.type = BodyType::Static, .surface_velocity = {infinity, 0, 0}}, "surface_velocity", "inf"},
       {{.gravity_scale = nan}, "gravity_scale", "nan"},

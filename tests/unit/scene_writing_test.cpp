@@ -108,6 +108,8 @@ TEST(SceneWriting, NothingOfADefinitionIsLost) {
   const BodyId ground = world.add_body({.type = BodyType::Static,
                                         .shape = HalfSpace{{0, 1, 0}, -0.25},
                                         .material = {.friction = 0.1,
+                                                     .friction_across = 0.7,
+                                                     .friction_direction = {1, 2, 0},
                                                      .restitution = 0.2,
                                                      .rolling_friction = 0.3,
                                                      .friction_rule = CombineRule::Min,

@@ -45,7 +45,11 @@ struct ContactProblem {
     Vector3 tangent;       ///< unit; the other one is normal x tangent
     Vector3 anchor_first;  ///< m, world axes, of the centre from the first body's centre of mass
     Vector3 anchor_second;
-    double friction = 0;                         ///< mu
+    double friction = 0;  ///< mu
+    /// Unit, in the tangent plane: friction is mu along it, and `friction_ratio` mu across it. r_T is then measured,
+    /// and u_T too, in axes of which the second is `friction_ratio` times as long. Zero: alike in all directions.
+    Vector3 friction_axis = Vector3::Zero();
+    double friction_ratio = 1;
     double radius = 0;                           ///< m, L: the arm of friction against twisting
     double torsional_friction = 0;               ///< m, t
     double rolling_friction = 0;                 ///< m, p

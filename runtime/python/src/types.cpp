@@ -83,21 +83,26 @@ void bind_types(nb::module_& module) {
                                 "What a surface is like. Of two that touch friction and restitution follow by their "
                                 "rules, all else is the larger "
                                 "of the two.");
-  bind_definition(material, Field{"friction", &Material::friction, "Coulomb's coefficient, >= 0"},
-                  Field{"restitution", &Material::restitution, "Newton's coefficient, in [0, 1]"},
-                  Field{"rolling_friction", &Material::rolling_friction,
-                        "m, >= 0: the torque that holds back rolling, over the normal force"},
-                  Field{"torsional_friction", &Material::torsional_friction,
-                        "m, >= 0: the torque that holds back spinning about the normal, over the normal force"},
-                  Field{"friction_rule", &Material::friction_rule, "how friction follows from that of both"},
-                  Field{"restitution_rule", &Material::restitution_rule, "how restitution does"},
-                  Field{"id", &Material::id, "a number of yours for set_material_pair(), or 0"});
+  bind_definition(
+      material, Field{"friction", &Material::friction, "Coulomb's coefficient, >= 0"},
+      Field{"friction_across", &Material::friction_across, "the same across friction_direction, where there is one"},
+      Field{"friction_direction", &Material::friction_direction,
+            "shape (3,), body frame: friction acts along it; alike in all directions if zero"},
+      Field{"restitution", &Material::restitution, "Newton's coefficient, in [0, 1]"},
+      Field{"rolling_friction", &Material::rolling_friction,
+            "m, >= 0: the torque that holds back rolling, over the normal force"},
+      Field{"torsional_friction", &Material::torsional_friction,
+            "m, >= 0: the torque that holds back spinning about the normal, over the normal force"},
+      Field{"friction_rule", &Material::friction_rule, "how friction follows from that of both"},
+      Field{"restitution_rule", &Material::restitution_rule, "how restitution does"},
+      Field{"id", &Material::id, "a number of yours for set_material_pair(), or 0"});
   nb::class_<MaterialPair> pair(module, "MaterialPair",
                                 "What holds between two materials, whatever would follow from each.");
   bind_definition(
       pair, Field{"first", &MaterialPair::first, "the id of a material, not 0"},
       Field{"second", &MaterialPair::second, "that of the other, or the same"},
       Field{"friction", &MaterialPair::friction, "Coulomb's coefficient, >= 0; as without the pair if None"},
+      Field{"friction_across", &MaterialPair::friction_across, "across a friction_direction; friction if None"},
       Field{"restitution", &MaterialPair::restitution, "in [0, 1], likewise"});
 
   nb::class_<CollisionFilter> filter(

@@ -123,10 +123,14 @@ CombineRule read_rule(const Reader& in) {
 }
 
 Material read_material(const Reader& in) {
-  in.only_keys(
-      {"friction", "restitution", "rolling_friction", "torsional_friction", "friction_rule", "restitution_rule", "id"});
+  in.only_keys({"friction", "friction_across", "friction_direction", "restitution", "rolling_friction",
+                "torsional_friction", "friction_rule", "restitution_rule", "id"});
   Material material;
   get(in, "friction", material.friction, at_least(0));
+  get(in, "friction_across", material.friction_across, at_least(0));
+  if (const auto direction = in.find("friction_direction")) {
+    Eigen::Map<Vector3>(material.friction_direction.data()) = read_vector(*direction);
+  }
   get(in, "restitution", material.restitution, between(0, 1));
   get(in, "rolling_friction", material.rolling_friction, at_least(0));
   get(in, "torsional_friction", material.torsional_friction, at_least(0));
@@ -137,13 +141,14 @@ Material read_material(const Reader& in) {
 }
 
 MaterialPair read_material_pair(const Reader& in) {
-  in.only_keys({"first", "second", "friction", "restitution"});
+  in.only_keys({"first", "second", "friction", "friction_across", "restitution"});
   MaterialPair pair;
   for (auto [key, id] : {std::pair("first", &pair.first), std::pair("second", &pair.second)}) {
     get(in, key, *id);
     if (*id == 0) in.fail_at(key, "no material", "the id of one, above 0");
   }
   get(in, "friction", pair.friction, at_least(0));
+  get(in, "friction_across", pair.friction_across, at_least(0));
   get(in, "restitution", pair.restitution, between(0, 1));
   return pair;
 }

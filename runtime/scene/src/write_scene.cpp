@@ -85,6 +85,10 @@ Json json(const Material& material) {
   if (material.friction_rule != CombineRule::Default) out["friction_rule"] = name(material.friction_rule, rules);
   if (material.restitution_rule != CombineRule::Default)
     out["restitution_rule"] = name(material.restitution_rule, rules);
+  if (material.is_directed()) {
+    out["friction_direction"] = Json(material.friction_direction);
+    out["friction_across"] = material.friction_across;
+  }
   if (material.id != 0) out["id"] = json(material.id);
   return out;
 }
@@ -92,6 +96,7 @@ Json json(const Material& material) {
 Json json(const MaterialPair& pair) {
   Json out = {{"first", json(pair.first)}, {"second", json(pair.second)}};
   if (pair.friction) out["friction"] = *pair.friction;
+  if (pair.friction_across) out["friction_across"] = *pair.friction_across;
   if (pair.restitution) out["restitution"] = *pair.restitution;
   return out;
 }

@@ -79,6 +79,9 @@ inline constexpr int most_impact_sweeps = 20;
 inline constexpr double impact_tolerance = 1e-10;
 
 /// Sweeps over a group's joints in a substep in which some coordinate bounces at the end of its range.
+/// Newton's steps to friction's ellipse, to 1e-12. With half axes of up to a million to one, a million random slips
+/// took 15 at most, and half of them 3.
+inline constexpr int ellipse_rounds = 16;
 inline constexpr int joint_bounce_sweeps = 16;
 
 /// rad/s: the tumbling of bodies that spin slower is neglected (the square is an angular acceleration), so that a pile

@@ -1,5 +1,6 @@
 #include <jobs/assert.h>
 #include <solver/constraints/contact_law.h>
+#include <solver/constraints/friction_ellipse.h>
 
 #include <algorithm>
 #include <cmath>
@@ -57,12 +58,12 @@ ContactAnswer ContactLaw::answer(const Six& motion) const {
   }
   const Six rubs = rubbing(motion);
   const Two slides = {rubs[3], rubs[4]};
-  if (pyramid) {
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double wanted = -friction_stiffness * slides[axis];
-      answer.friction[axis] = std::clamp(wanted, -friction_bound, friction_bound);
-      if (answer.friction[axis] != wanted) answer.pieces.slides |= static_cast<std::uint8_t>(1 << axis);
-    }
+  if (pyramid || friction_ratio != 1) {
+    const FrictionEllipse ellipse{.ratio = friction_ratio};
+    answer.friction = {-friction_stiffness * slides[0], -friction_stiffness * slides[1]};
+    answer.pieces.slides =
+        static_cast<std::uint8_t>(pyramid ? ellipse.hold_in_rectangle(friction_bound, answer.friction)
+                                          : 3 * int{ellipse.hold({1, 0, 1}, friction_bound, answer.friction)});
   } else if (hold_in_disc(slides, friction_stiffness, friction_bound, answer.friction)) {
     answer.pieces.slides = 3;
   }
@@ -102,7 +103,11 @@ std::array<Six, 6> ContactLaw::derivative(const Six& motion, const ContactPieces
   }
   const Six rubs = rubbing(motion);
   if (pieces.slides == 3 && !pyramid) {
-    add_turning(k, 3, {rubs[3], rubs[4]}, friction_bound);
+    if (friction_ratio != 1) {
+      add_sliding(k, rubs);
+    } else {
+      add_turning(k, 3, {rubs[3], rubs[4]}, friction_bound);
+    }
   } else {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       if (!(pieces.slides & (1 << axis))) k[3 + axis][3 + axis] = friction_stiffness;
@@ -115,6 +120,27 @@ std::array<Six, 6> ContactLaw::derivative(const Six& motion, const ContactPieces
   }
   if (!pieces.spins) k[5][5] = torsional_stiffness;
   return k;
+}
+
+// The impulse f is the point of the ellipse nearest to p, f = p - t n with n its normal at f. Motion changes it along
+// the ellipse only.
+void ContactLaw::add_sliding(std::array<Six, 6>& k, const Six& rubs) const {
+  const Two p = {-friction_stiffness * rubs[3], -friction_stiffness * rubs[4]};
+  Two f = p;
+  if (!FrictionEllipse{.ratio = friction_ratio}.hold({1, 0, 1}, friction_bound, f)) return;
+  const double by_square = 1 / (friction_ratio * friction_ratio);
+  const Two n = {f[0], by_square * f[1]};
+  const double square = n[0] * n[0] + n[1] * n[1];
+  if (!(square > 0)) return;
+  const double t = std::max(0.0, ((p[0] - f[0]) * n[0] + (p[1] - f[1]) * n[1]) / square);
+  const Two d = {1 / (1 + t), 1 / (1 + t * by_square)};
+  const Two dn = {d[0] * n[0], d[1] * n[1]};
+  const double over = 1 / (n[0] * dn[0] + n[1] * dn[1]);
+  for (int a = 0; a < 2; ++a) {
+    for (int b = 0; b < 2; ++b) {
+      k[3 + a][3 + b] += friction_stiffness * ((a == b ? d[a] : 0) - over * dn[a] * dn[b]);
+    }
+  }
 }
 
 Six ContactLaw::total(const ContactAnswer& answer) const {

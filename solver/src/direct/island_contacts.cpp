@@ -25,7 +25,8 @@ void load_frame(const DirectIslandInput& input, bool half_way, DirectContact& co
   const collision::Pair colliders = input.contacts[contact.slot].pair;
   const collision::Tangents tangents = collision::tangents(manifold.normal);
   const Vector3 normal = get3(manifold.normal).normalized();
-  const Vector3 nearly(tangents.first[0], tangents.first[1], tangents.first[2]);
+  const bool uneven = contact.law.friction_ratio != 1;
+  const Vector3 nearly = uneven ? get3(input.surface_contacts[contact.slot].grip) : get3(tangents.first);
   const Vector3 tangent = (nearly - normal.dot(nearly) * normal).normalized();
   contact.axes = {normal, tangent, normal.cross(tangent)};
   ATL_ASSERT(!(std::abs(contact.axes[2].squaredNorm() - 1) > 1e-9), contact.slot, contact.axes[2].norm());
@@ -71,11 +72,19 @@ void load_points(const collision::ContactManifold& manifold, const ContactRespon
   const bool is_line = manifold.separation[1] < collision::no_point && manifold.separation[2] >= collision::no_point;
   const double tangent = is_line ? contact.line_turn : 0;
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
+  const collision::Tangents of_manifold = collision::tangents(manifold.normal);
+  const auto in_axes = [&](double x, double y) -> std::array<double, 2> {
+    if (law.friction_ratio == 1) return {x, y};
+    const Vector3 place = x * get3(of_manifold.first) + y * get3(of_manifold.second);
+    return {place.dot(contact.axes[1]), place.dot(contact.axes[2])};
+  };
   for (int i = 0; i < collision::max_points; ++i) {
     if (manifold.separation[i] >= collision::no_point) continue;
     const int p = law.points++;
-    const double x = law.x[p] = cosine * (manifold.x[i] - tangent * manifold.y[i]);
-    const double y = law.y[p] = cosine * (manifold.y[i] + tangent * manifold.x[i]);
+    const auto [x, y] =
+        in_axes(cosine * (manifold.x[i] - tangent * manifold.y[i]), cosine * (manifold.y[i] + tangent * manifold.x[i]));
+    law.x[p] = x;
+    law.y[p] = y;
     // (arm + x t1 + y t2) x n, of which t1 x n = -t2 and t2 x n = t1
     const Vector3 offset = y * contact.axes[1] - x * contact.axes[2];
     const double k = response.inverse_mass + response.turning(contact.arm_first.cross(contact.axes[0]) + offset,
@@ -107,6 +116,11 @@ void load_surfaces(const SurfaceContact& surface, const ContactResponse& respons
                   spin.dot(contact.axes[0])};
   contact.rolling = surface.rolling_friction;
   contact.torsional = surface.torsional_friction;
+  if (is_uneven(surface)) {
+    const double part = get3(surface.grip).norm();
+    contact.friction *= part;
+    contact.radius *= surface.twist / part;
+  }
   const double rolls = 0.5 * (response.turning(contact.axes[1]) + response.turning(contact.axes[2]));
   if (contact.rolling > 0 && rolls > 0) law.rolling_stiffness = 1 / (tuning::friction_compliance * rolls);
 }
@@ -132,11 +146,13 @@ void warm_start(const DirectIslandInput& input, double share, DirectContact& con
   const auto is_bound = [](double impulse, double bound) { return std::abs(impulse) >= at_bound * bound; };
   if (contact.law.pyramid) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const bool slides = is_bound(answer.friction[axis], contact.law.friction_bound);
+      const double bound = (axis == 0 ? 1 : contact.law.friction_ratio) * contact.law.friction_bound;
+      const bool slides = is_bound(answer.friction[axis], bound);
       answer.pieces.slides |= static_cast<std::uint8_t>(slides ? 1 << axis : 0);
     }
   } else {
-    answer.pieces.slides = is_bound(friction.norm(), contact.law.friction_bound) ? 3 : 0;
+    const double size = Eigen::Vector2d(answer.friction[0], answer.friction[1] / contact.law.friction_ratio).norm();
+    answer.pieces.slides = is_bound(size, contact.law.friction_bound) ? 3 : 0;
   }
   answer.pieces.spins = is_bound(answer.torsional, contact.law.torsional_bound);
   if (contact.law.rolling_stiffness > 0) {
@@ -180,6 +196,7 @@ void load_contact(const DirectIslandInput& input, const TouchingPair& pair, cons
   contact.radius = manifold.friction_radius;
   contact.rolling = contact.torsional = 0;
   contact.law = {};  // whatever was solved before must not show
+  if (input.surface_contacts != nullptr) contact.law.friction_ratio = input.surface_contacts[pair.slot].ratio;
   load_frame(input, half_way, contact);
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
   load_points(manifold, response, contact);

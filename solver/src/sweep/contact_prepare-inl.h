@@ -112,8 +112,24 @@ HWY_INLINE V4 rolling_lanes(const ContactKernelData& data, const ContactBlock& b
   return load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).rolling_impulse; });
 }
 
+// Friction that depends on its direction.
+HWY_INLINE void prepare_grip(const ContactKernelData& data, ContactBlock& block, SurfaceBlock& surface,
+                             std::size_t lane, const ContactLanes<>& c, V twist) {
+  const V4 grip = load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).grip; });
+  const V along1 = dot(c.tangent1, {grip.x, grip.y, grip.z}), along2 = dot(c.tangent2, {grip.x, grip.y, grip.z});
+  const V length = hn::Sqrt(hn::Add(hn::Mul(along1, along1), hn::Mul(along2, along2)));
+  const M uneven = hn::Gt(length, zero());
+  const V part = hn::IfThenElse(uneven, length, splat(1));
+  store(hn::IfThenElse(uneven, hn::Div(along1, part), splat(1)), surface.cosine[0] + lane);
+  store(hn::IfThenElseZero(uneven, hn::Div(along2, part)), surface.sine[0] + lane);
+  store(hn::IfThenElse(uneven, grip.w, splat(1)), surface.ratio[0] + lane);
+  store(hn::Mul(load(block.friction + lane), part), block.friction + lane);
+  store(hn::Mul(load(block.friction_radius + lane), hn::IfThenElse(uneven, hn::Div(twist, part), splat(1))),
+        block.friction_radius + lane);
+}
+
 // A contact that has just begun has no normal impulse, and so nothing that an earlier one in its slot left behind.
-HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlock& block, SurfaceBlock& surface,
+HWY_INLINE void prepare_surfaces(const ContactKernelData& data, ContactBlock& block, SurfaceBlock& surface,
                                  std::size_t lane, const ContactLanes<>& c, const V4& rolling) {
   const V4 slip = load_rows([&](std::size_t k) { return surface_of(data, block, lane + k).slip; });
   const V normal_impulse = load_of(block, lane);
@@ -128,6 +144,8 @@ HWY_INLINE void prepare_surfaces(const ContactKernelData& data, const ContactBlo
     const bool rises = data.rises != nullptr && block.slot[k] >= 0;
     surface.rise[0][k] = rises ? data.rises[block.slot[k]] / data.constants.step : 0;
   }
+
+  prepare_grip(data, block, surface, lane, c, spin.w);
 
   const V3 kept = splat(1 / data.constants.refinement) * V3{rolling.x, rolling.y, rolling.z};
   V r1 = dot(c.tangent1, kept);

@@ -9,6 +9,9 @@
 
 #include <features/with_restitution.h>
 #include <features/with_surfaces.h>
+#include <solver/constraints/friction_ellipse.h>
+
+#include <array>
 
 #include "sweep/contact_normals-inl.h"
 
@@ -184,6 +187,36 @@ HWY_INLINE V normal_impulse_of(const ContactBlock& block, std::size_t lane) {
   return sum;
 }
 
+inline FrictionEllipse ellipse_of(const SurfaceBlock& surface, std::size_t lane) {
+  return {surface.cosine[0][lane], surface.sine[0][lane], surface.ratio[0][lane]};
+}
+
+// Shortens impulses that would stop all slip, in lanes where friction depends on its direction.
+HWY_NOINLINE void hold_in_ellipses(const ContactBlock& block, const SurfaceBlock& surface, Friction friction,
+                                   std::size_t lane, const V& bounds, const V& wanted1, const V& wanted2, V& p1,
+                                   V& p2) {
+  HWY_ALIGN float bound[lanes], wanted[2][lanes], held[2][lanes];
+  store(bounds, bound);
+  store(wanted1, wanted[0]);
+  store(wanted2, wanted[1]);
+  store(p1, held[0]);
+  store(p2, held[1]);
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const FrictionEllipse ellipse = ellipse_of(surface, lane + k);
+    if (ellipse.is_disc()) continue;
+    std::array<double, 2> impulse = {wanted[0][k], wanted[1][k]};
+    const auto& mass = block.friction_mass;
+    if (friction == Friction::Pyramid) {
+      ellipse.hold_in_rectangle(bound[k], impulse);
+    } else {
+      ellipse.hold({mass[0][lane + k], mass[1][lane + k], mass[2][lane + k]}, bound[k], impulse);
+    }
+    for (std::size_t axis = 0; axis < 2; ++axis) held[axis][k] = static_cast<float>(impulse[axis]);
+  }
+  p1 = load(held[0]);
+  p2 = load(held[1]);
+}
+
 template <typename how, typename what>
 HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[maybe_unused]] Friction friction,
                                std::size_t lane, ContactLanes<what::movable>& c, Residual& residual) {
@@ -209,11 +242,16 @@ HWY_INLINE void solve_friction(ContactBlock& block, SurfaceBlock* surface, [[may
   const Plane mass = Plane::load_from(block.friction_mass, lane);
   V new1 = hn::Sub(old1, mass.first(v1, v2));
   V new2 = hn::Sub(old2, mass.second(v1, v2));
+  [[maybe_unused]] const V wanted1 = new1, wanted2 = new2;
   if (how::special && friction == Friction::Pyramid) {
     new1 = clamp_to(new1, bound);
     new2 = clamp_to(new2, bound);
   } else {
     hold_in_disc(mass, new1, new2, bound);
+  }
+  if constexpr (how::special) {
+    const bool uneven = surface != nullptr && !hn::AllFalse(D(), hn::Lt(load(surface->ratio[0] + lane), splat(1)));
+    if (uneven) hold_in_ellipses(block, *surface, friction, lane, bound, wanted1, wanted2, new1, new2);
   }
   const V old_twist = load(block.torsional_impulse + lane);
   const V new_twist = clamp_to(hn::Sub(old_twist, hn::Mul(load(block.twist_mass + lane), spin)), torsional_bound);

@@ -59,7 +59,16 @@ struct Acting {
     const std::array<double, 3> before = impulse;
     impulse[0] -= m11 * now[0] + m12 * now[1];
     impulse[1] -= m12 * now[0] + m22 * now[1];
-    if (friction == Friction::Pyramid) {
+    const FrictionEllipse& ellipse = contact.friction.ellipse;
+    if (!ellipse.is_disc()) {
+      std::array<double, 2> along = {impulse[0], impulse[1]};
+      if (friction == Friction::Pyramid) {
+        ellipse.hold_in_rectangle(bound, along);
+      } else {
+        ellipse.hold(contact.friction.mass, bound, along);
+      }
+      std::copy(along.begin(), along.end(), impulse.begin());
+    } else if (friction == Friction::Pyramid) {
       for (int axis : {0, 1}) impulse[axis] = std::clamp(impulse[axis], -bound, bound);
     } else if (length_of(impulse[0], impulse[1]) > bound) {
       // Alike in all directions, so that what comes of it acts against the slip.

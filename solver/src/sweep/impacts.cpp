@@ -269,6 +269,7 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
     const SurfaceBlock& surface = data.surface_blocks[b];
     rubs.runs = {surface.slip[0][lane], surface.slip[1][lane], surface.spin[2][lane]};
     rubs.torsional = surface.torsional_friction[0][lane];
+    rubs.ellipse = {surface.cosine[0][lane], surface.sine[0][lane], surface.ratio[0][lane]};
   }
   contacts_.push_back(contact);
 }

@@ -47,7 +47,8 @@ struct ContactLaw {
   double friction_stiffness = 0;
   double torsional_stiffness = 0;
   double rolling_stiffness = 0;
-  double friction_bound = 0;   ///< N s
+  double friction_ratio = 1;   ///< of friction's bound along the second tangent, to that along the first
+  double friction_bound = 0;   ///< N s, along the first tangent
   double torsional_bound = 0;  ///< N m s
   double rolling_bound = 0;    ///< N m s
 
@@ -70,6 +71,7 @@ struct ContactLaw {
  private:
   /// The motion of the surfaces against each other.
   Six rubbing(const Six& motion) const;
+  void add_sliding(std::array<Six, 6>& k, const Six& rubs) const;
 };
 
 }  // namespace atl::solver

@@ -7,9 +7,9 @@
 namespace atl::solver {
 
 /// Surface effects of a touching pair beyond plain friction, by contact slot, in rows of four floats for the kernels.
-/// The step sets all members but the impulse (the solver's caller sets the frictions, the step the slip). The impulse
-/// lasts from step to step like a manifold's, but only while the contact is_pressed() and has rolling friction: an
-/// impulse left by a former contact of the slot, or by another material, must not act on the next one.
+/// The step sets all members but the impulse (the solver's caller sets the frictions, the solver how surfaces run). The
+/// impulse lasts from step to step like a manifold's, but only while the contact is_pressed() and has rolling friction:
+/// an impulse left by a former contact of the slot, or by another material, must not act on the next one.
 struct alignas(32) SurfaceContact {
   /// m/s, world frame, at the contact: of the second surface along its body, against the first along its own.
   float slip[3] = {0, 0, 0};
@@ -17,8 +17,17 @@ struct alignas(32) SurfaceContact {
   float rolling_impulse[3] = {0, 0, 0};  ///< N m s, in the tangent plane, on the second body
   float torsional_friction = 0;          ///< m
   float spin[3] = {0, 0, 0};             ///< rad/s, world frame: how the second surface turns so
-  float unused = 0;
+  float twist = 1;                       ///< of the manifold's friction radius, that counts
+  /// World frame: along the direction of most friction, as long as its part of the manifold's friction. Zero where
+  /// friction is alike in all directions.
+  float grip[3] = {0, 0, 0};
+  float ratio = 1;  ///< of the friction across that direction, to that along it
 };
+
+/// True if its friction depends on the direction.
+inline bool is_uneven(const SurfaceContact& contact) {
+  return contact.grip[0] != 0 || contact.grip[1] != 0 || contact.grip[2] != 0;
+}
 
 /// True if a contact carried a load in the last step.
 inline bool is_pressed(const collision::ContactManifold& manifold) {

@@ -34,8 +34,9 @@ struct Surface {
   Vector3 centre = Vector3::Zero();  ///< m, body frame, of mass
   double rolling_friction = 0;       ///< m
   double torsional_friction = 0;     ///< m
+  bool uneven = false;               ///< friction may depend on the direction
 
-  bool is_plain() const { return motion.is_zero() && rolling_friction == 0 && torsional_friction == 0; }
+  bool is_plain() const { return motion.is_zero() && rolling_friction == 0 && torsional_friction == 0 && !uneven; }
 };
 
 /// State and mass properties of all bodies of a world as flat arrays, one entry a body index. It lasts from step to

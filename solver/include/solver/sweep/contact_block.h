@@ -109,7 +109,10 @@ struct alignas(64) SurfaceBlock {
   Lanes<3> rolling_mass;        ///< inverse of the tangential 2 x 2 matrix of spins: 11, 12, 22
   Lanes<1> rolling_friction;    ///< m
   Lanes<1> torsional_friction;  ///< m
-  Lanes<1> rise;  ///< m/s, of the surface along the normal, at the end of the step; the opposite at its start
+  Lanes<1> cosine;              ///< of the direction of most friction, along the tangents
+  Lanes<1> sine;
+  Lanes<1> ratio;  ///< of the friction across that direction, to that along it
+  Lanes<1> rise;   ///< m/s, of the surface along the normal, at the end of the step; the opposite at its start
 };
 
 /// Additional data of a block if bodies of its group have motion locks. A contact of bodies that stay in one plane has

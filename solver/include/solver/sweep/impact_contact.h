@@ -1,5 +1,6 @@
 #pragma once
 
+#include <solver/constraints/friction_ellipse.h>
 #include <solver/integrate/body_table.h>
 #include <solver/solver_settings.h>
 #include <solver/sweep/contact_block.h>
@@ -49,6 +50,7 @@ struct ImpactContact {
     double coefficient = 0;
     double radius = 0;                       ///< m, of the points about the centre
     double torsional = 0;                    ///< m
+    FrictionEllipse ellipse;                 ///< in the tangents, by the coefficient
     std::array<double, 3> runs = {};         ///< m/s, of the surfaces along the tangents, rad/s about the normal
     std::array<double, 3> mass = {};         ///< kg, effective: 11, 12, 22
     double twist_mass = 0;                   ///< kg m^2
