@@ -115,6 +115,22 @@ struct SetJoint {
   void make(World& world) const { world.set_joint(joint, kind); }
 };
 
+struct SetMotorSpeed {
+  JointId joint;
+  double speed;
+  std::uint64_t coordinate;
+  static auto fields(auto& self) { return std::tie(self.joint, self.speed, self.coordinate); }
+  void make(World& world) const { world.set_motor_speed(joint, speed, coordinate); }
+};
+
+struct SetServoTarget {
+  JointId joint;
+  double target;
+  std::uint64_t coordinate;
+  static auto fields(auto& self) { return std::tie(self.joint, self.target, self.coordinate); }
+  void make(World& world) const { world.set_servo_target(joint, target, coordinate); }
+};
+
 struct SetJointEnabled {
   JointId joint;
   bool enabled;
@@ -240,7 +256,8 @@ using RecordedCall =
                  calls::AddJoint, calls::RemoveJoint, calls::SetJoint, calls::SetJointEnabled, calls::SetGravity,
                  calls::SetSettings, calls::SetMaterial, calls::SetMass, calls::SetGravityScale, calls::SetDamping,
                  calls::SetUserData, calls::SetName, calls::Refilter, calls::CountTurnsFrom, calls::SetEnabled,
-                 calls::Sleep, calls::SetJointDefinition, calls::SetHeights, calls::SetMaterialPair>;
+                 calls::Sleep, calls::SetJointDefinition, calls::SetHeights, calls::SetMaterialPair,
+                 calls::SetMotorSpeed, calls::SetServoTarget>;
 
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {

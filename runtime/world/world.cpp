@@ -711,10 +711,11 @@ JointMotor checked_motor(const char* call, const JointDef& joint, std::size_t co
               " along that coordinate; expected one, see World::set_joint_axis");
 }
 
-void drive(auto& impl, JointId id, std::size_t coordinate, const JointMotor& motor, const char* call) {
-  const std::uint32_t joint = impl.index_to_change(id, call);
-  if constexpr (with_joints) atl::drive(impl.stores, joint, coordinate, motor);
-  note<calls::SetJoint>(impl, id, impl.stores.joints.def[joint]->kind);
+template <typename Call>
+void drive(auto& impl, const Call& made, const JointMotor& motor, const char* call) {
+  const std::uint32_t joint = impl.index_to_change(made.joint, call);
+  if constexpr (with_joints) atl::drive(impl.stores, joint, made.coordinate, motor);
+  note<Call>(impl, made);
 }
 
 }  // namespace
@@ -735,7 +736,7 @@ void World::set_motor_speed(JointId id, double speed, std::size_t coordinate) {
   check_finite("World::set_motor_speed: speed", speed);
   JointMotor motor = checked_motor(call, joint(id), coordinate, false);
   motor.speed = speed;
-  drive(*impl_, id, coordinate, motor, "set_motor_speed");
+  drive(*impl_, calls::SetMotorSpeed{id, speed, coordinate}, motor, "set_motor_speed");
 }
 
 void World::set_servo_target(JointId id, double target, std::size_t coordinate) {
@@ -743,7 +744,7 @@ void World::set_servo_target(JointId id, double target, std::size_t coordinate) 
   check_number("World::set_servo_target: target", target);
   JointMotor motor = checked_motor(call, joint(id), coordinate, true);
   motor.servo->target = target;
-  drive(*impl_, id, coordinate, motor, "set_servo_target");
+  drive(*impl_, calls::SetServoTarget{id, target, coordinate}, motor, "set_servo_target");
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {

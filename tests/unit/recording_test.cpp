@@ -113,6 +113,28 @@ TEST(Recording, GoesBackToBeforeTheFirstJoint) {
   expect_same(replay(file.path()), 10, world.state_hash(), "a joint came and went");
 }
 
+// A suspension counts by the mass of its chassis as its joint is set, and not as a motor is.
+TEST(Recording, OfAMotorSetsNothingElseOfItsJoint) {
+  const TemporaryFile file(".recording");
+  World world;
+  BodyDef chassis = box({0, 0, 1});
+  chassis.type = BodyType::Static;
+  const BodyId held = world.add_body(chassis);
+  const BodyId wheel = world.add_body(sphere({0, 0, 0.5}, 0.3));
+  WheelJoint kind;
+  kind.spin.motor = JointMotor{.max_force = 5, .servo = JointServo{.stiffness = 10}};
+  const JointId joint = world.add_joint({.kind = kind, .first = held, .second = wheel});
+  chassis.type = BodyType::Dynamic;
+  world.set_definition(held, chassis);
+  world.record(file.path(), {.body_hash_interval = 1});
+  world.set_motor_speed(joint, 3, 2);
+  world.set_servo_target(joint, 0.5, 2);
+  run(world, 5);
+  world.stop_recording();
+  EXPECT_TRUE(std::get<WheelJoint>(world.joint(joint).kind).suspension.spring->hertz > 0);
+  expect_same(replay(file.path()), 5, world.state_hash(), "a motor was set");
+}
+
 TEST(Recording, LeavesOutCallsThatThrow) {
   const TemporaryFile file(".recording");
   Yard yard;

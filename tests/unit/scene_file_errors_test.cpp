@@ -203,7 +203,8 @@ TEST(SceneFileErrors, ShapesAndMaterials) {
        "a number"},
       {ball(R"("material": "ice")"), "3: /bodies/0/material: found \"ice\"", "the name of a material in /materials"},
       {ball(R"("material": {"frction": 1})"), "3: /bodies/0/material/frction: found the unknown key",
-       "friction, restitution, rolling_friction, torsional_friction, friction_rule or restitution_rule"},
+       "friction, friction_across, friction_direction, restitution, rolling_friction, torsional_friction, "
+       "friction_rule, restitution_rule or id"},
       {ball(R"("material": {"friction": -0.1})"), "3: /bodies/0/material/friction: found -0.1", "a number >= 0"},
       {ball(R"("material": {"rolling_friction": -1})"), "3: /bodies/0/material/rolling_friction: found -1",
        "a number >= 0"},
