@@ -53,8 +53,8 @@ def name_of(output: str) -> str:
 
 def summary(what: str, wall: float, units: list[tuple[float, float, str]]) -> str:
     cpu = sum(seconds for seconds, _, _ in units)
-    most = max((memory for _, memory, _ in units), default=0)
-    return f"{what}: {wall:.0f} s on {os.cpu_count()} cores, {len(units)} units, {cpu:.0f} s of CPU, at most {most:.0f} MB"
+    largest = max((memory for _, memory, _ in units), default=0)
+    return f"{what}: {wall:.0f} s on {os.cpu_count()} cores, {len(units)} units, {cpu:.0f} s of CPU, at most {largest:.0f} MB"
 
 
 def main() -> None:

@@ -69,9 +69,9 @@ def main():
         rates = []
         for _ in range(int(seconds)):
             time.sleep(1)
-            told = browser.ask("Runtime.evaluate", session,
+            reply = browser.ask("Runtime.evaluate", session,
                                expression="JSON.stringify([document.body.dataset.rate, document.body.dataset.step])")
-            rate, step = json.loads(told["result"]["value"])
+            rate, step = json.loads(reply["result"]["value"])
             print(f"step {step}: {rate} frames/s", flush=True)
             if rate:
                 rates.append(float(rate))

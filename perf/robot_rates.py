@@ -182,7 +182,7 @@ class Atoll:
         rates, moving = task.start().qvel[task.arrays.jnt_dofadr[task.joints]], mechanism.v()
         moving[len(moving) - len(rates) :] = rates
         mechanism.set(mechanism.q(), moving)
-        batch.keep_start()
+        batch.save_start()
         targets, total = self.targets(task.controls(1, 1)), Run()
         while total.seconds < LEAST:
             batch.reset()
@@ -310,8 +310,8 @@ def measure(task: Task, given: argparse.Namespace) -> list[dict[str, Any]]:
         row: dict[str, Any] = dict(zip(robot_table.KEY, (task.model.name, task.run, engine, setting, worlds, threads)))
         row |= {"rate": statistics.median(rates), "slowest": rates[0], "fastest": rates[-1], "lost": of_case[-1].lost}
         row["error"] = "" if right is None else off(of_case[-1].positions, right)
-        told = {of: f"{value:.4g}" if isinstance(value, float) else value for of, value in row.items()}
-        rows.append(told | {"load": f"{os.getloadavg()[0]:.1f}", **TOLD})
+        columns = {of: f"{value:.4g}" if isinstance(value, float) else value for of, value in row.items()}
+        rows.append(columns | {"load": f"{os.getloadavg()[0]:.1f}", **TOLD})
     return rows
 
 

@@ -50,7 +50,7 @@ void restore(benchmark::State& state) {
   note(state, snapshot, world);
 }
 
-void note_times(benchmark::State& state, const char* name, std::vector<double> ms) {
+void record_times(benchmark::State& state, const char* name, std::vector<double> ms) {
   std::sort(ms.begin(), ms.end());
   state.counters[std::string(name) + "_median"] = ms[ms.size() / 2];
   state.counters[std::string(name) + "_worst"] = ms.back();
@@ -81,8 +81,8 @@ void play(benchmark::State& state) {
       for (int i = 0; i < 16; ++i) timed(back, [&] { playback.seek(playback.step() - 1); });
     }
   }
-  note_times(state, "on", on);
-  note_times(state, "back", back);
+  record_times(state, "on", on);
+  record_times(state, "back", back);
   std::filesystem::remove(path);
 }
 

@@ -46,8 +46,8 @@ double error_of(const Scene& scene, const World& world, const std::vector<BodyId
 
 struct Run {
   Settings settings;
-  double rest = 0;  // m, the worst state of the last quarter
-  double told = 1;  // of those that are not, those of which the world tells
+  double rest = 0;      // m, the worst state of the last quarter
+  double reported = 1;  // of those that are not, those of which the world tells
   double substeps = 0;
   int last_change = 0;  // the step in which a body got another number of substeps for the last time
   std::vector<double> seconds = {};
@@ -63,13 +63,13 @@ void measure_errors(const Scene& scene, double target, Run& run) {
   World world({.gravity = scene.gravity, .threads = 2, .settings = run.settings});
   const std::vector<BodyId> ids = build_scene(scene, world);
   const int every = std::max(1, scene.steps / audits);
-  int beyond = 0, told = 0;
+  int beyond = 0, reported = 0;
   std::int64_t before = 0;
   bool asks = false;  // whether the last state was beyond
   for (int step = 0; step < scene.steps; ++step) {
     apply_forces(scene, world, ids);
     const StepReport report = world.step(scene.dt);
-    if (asks) told += report.counts.unheld_islands > 0;
+    if (asks) reported += report.counts.missed_targets > 0;
     run.substeps += static_cast<double>(report.counts.body_substeps) / static_cast<double>(scene.steps);
     if (report.counts.body_substeps != before) run.last_change = step;
     before = report.counts.body_substeps;
@@ -81,8 +81,8 @@ void measure_errors(const Scene& scene, double target, Run& run) {
     beyond += asks;
     if (4 * step >= 3 * scene.steps) run.rest = std::max(run.rest, error);
   }
-  if (asks) told += world.step(scene.dt).counts.unheld_islands > 0;
-  if (beyond > 0) run.told = static_cast<double>(told) / beyond;
+  if (asks) reported += world.step(scene.dt).counts.missed_targets > 0;
+  if (beyond > 0) run.reported = static_cast<double>(reported) / beyond;
 }
 
 void measure_time(const Scene& scene, Run& run) {
@@ -102,7 +102,7 @@ void print(const char* name, const Scene& scene, const Run& run, double target) 
   std::printf("  %-14s %8.3f ms/step  rest %8.4f mm  within %5.1f%%", name, percentile(run.seconds, 0.5),
               1e3 * run.rest, 100 * run.share_within(target));
   if (run.settings.target.is_set()) {
-    std::printf("  told %5.1f%%  substeps %5.1f  last change at %.1f s", 100 * run.told,
+    std::printf("  reported %5.1f%%  substeps %5.1f  last change at %.1f s", 100 * run.reported,
                 run.substeps / static_cast<double>(scene.bodies.size()), run.last_change * scene.dt);
   }
   std::printf("%s\n", run.rest <= target ? "" : "  (not held)");

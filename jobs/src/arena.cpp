@@ -52,7 +52,7 @@ void Arena::run(Function function, const void* context, std::size_t count, std::
       watch.emplace(loop);
     }
     function(context, chunk * grain, std::min(count, (chunk + 1) * grain));
-    if (watch && watch->stalled()) congestion_.note_stall();
+    if (watch && watch->stalled()) congestion_.record_stall();
     task_ends();
   };
   before_tasks();
@@ -61,7 +61,8 @@ void Arena::run(Function function, const void* context, std::size_t count, std::
   tbb_->arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_task); });
   after_tasks();
   // Helpers that never came had no core for that long.
-  if (!helped && chunks >= few_chunks && Congestion::Clock::now() - begun > Congestion::stall) congestion_.note_stall();
+  if (!helped && chunks >= few_chunks && Congestion::Clock::now() - begun > Congestion::stall)
+    congestion_.record_stall();
 }
 
 std::size_t worker_index() {

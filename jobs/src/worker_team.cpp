@@ -47,7 +47,7 @@ constexpr std::size_t taken_at_back(std::uint64_t ticket) { return ticket & 0xff
 constexpr std::uint64_t one_in_front = 1 << 16;
 constexpr std::uint64_t one_at_back = 1;
 constexpr std::uint64_t closed = 0xffff0000;  // more in front than any loop has: this one is over
-constexpr std::size_t most_chunks = 0xfffe;
+constexpr std::size_t max_chunks = 0xfffe;
 
 }  // namespace
 
@@ -79,9 +79,9 @@ void WorkerTeam::run(Function function, const void* context, std::size_t count, 
   const std::uint64_t fresh_ticket = std::uint64_t{loop} << 32;
   // Loops of one team run one after the other, never within each other.
   ATL_ASSERT(loop == 1 || (ticket_.load(std::memory_order_relaxed) & closed) == closed, loop);
-  grain = std::max(grain, Arena::chunk_count(count, most_chunks));
+  grain = std::max(grain, Arena::chunk_count(count, max_chunks));
   const auto chunks = static_cast<std::uint32_t>(Arena::chunk_count(count, grain));
-  ATL_ASSERT(chunks > 0 && chunks <= most_chunks, count, grain, chunks);
+  ATL_ASSERT(chunks > 0 && chunks <= max_chunks, count, grain, chunks);
   // Whoever sees one of these sees the last ticket closed (acquire and release), and its claim fails.
   function_.store(function, std::memory_order_release);
   context_.store(context, std::memory_order_release);
@@ -95,7 +95,7 @@ void WorkerTeam::run(Function function, const void* context, std::size_t count, 
   // A helper that holds a chunk and doesn't run is waited for until it has a core again.
   Backoff backoff;
   while (chunks_done_.load(std::memory_order_acquire) != chunks) {
-    if (backoff.wait() > Congestion::stall) arena_.congestion_.note_stall();
+    if (backoff.wait() > Congestion::stall) arena_.congestion_.record_stall();
   }
   // A helper may hold the last ticket still. Closing it makes its claim fail before the next loop is written.
   ticket_.store(fresh_ticket | closed, std::memory_order_relaxed);
@@ -132,7 +132,7 @@ void WorkerTeam::help() {
     const std::uint32_t loop = loop_of(ticket_.load(std::memory_order_acquire));
     if (loop == finished) {
       // Whoever gets the core for that long wants it for more than a breath.
-      if (backoff.wait() > Congestion::stall) arena_.congestion_.note_stall();
+      if (backoff.wait() > Congestion::stall) arena_.congestion_.record_stall();
       continue;
     }
     while (take_chunk(loop, End::Back)) {

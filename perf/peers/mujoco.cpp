@@ -38,7 +38,7 @@ class MujocoSimulation : public peer::Simulation {
         room_(room) {
     if (whole_) check_uniform_friction();
     const int contacts = std::max(room_, 16 + 4 * static_cast<int>(source_.moving().size()));
-    load(std::min(contacts, source_.most_contacts()));
+    load(std::min(contacts, source_.max_contacts()));
     for (std::size_t k = 0; k < source_.moving().size(); ++k) set_velocity(k);
   }
 
@@ -118,12 +118,12 @@ class MujocoSimulation : public peer::Simulation {
 
   // More room for contacts.
   void grow() {
-    const int now = model_->nconmax, most = source_.most_contacts();
-    if (now >= most) {
-      throw atl::Error("MuJoCo has room for at most " + std::to_string(most) + " contacts among " +
+    const int now = model_->nconmax, max = source_.max_contacts();
+    if (now >= max) {
+      throw atl::Error("MuJoCo has room for at most " + std::to_string(max) + " contacts among " +
                        std::to_string(source_.moving().size()) + " bodies; the scene has more");
     }
-    room_ = std::min(now + now / 2, most);
+    room_ = std::min(now + now / 2, max);
     started_over_ = true;
     load(room_);
   }

@@ -250,11 +250,11 @@ double MujocoScene::constraint_rows(int contacts) const {
   return rows_per_contact * static_cast<double>(contacts) + 3.0 * static_cast<double>(balls_.size());
 }
 
-int MujocoScene::most_contacts() const {
+int MujocoScene::max_contacts() const {
   // With n rows and v degrees of freedom: 24 n v + 12 n^2 bytes.
-  constexpr double most_bytes = 1.8e9;
+  constexpr double max_bytes = 1.8e9;
   const double v = 6.0 * static_cast<double>(moving_.size());
-  const double rows = std::sqrt(v * v + most_bytes / 12) - v - constraint_rows(0);
+  const double rows = std::sqrt(v * v + max_bytes / 12) - v - constraint_rows(0);
   return static_cast<int>(std::max(rows, 0.0) / rows_per_contact);
 }
 

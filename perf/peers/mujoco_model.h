@@ -39,7 +39,7 @@ class MujocoScene {
 
   /// The most contacts there can be room for: MuJoCo stores dense matrices of all constraint rows by all degrees of
   /// freedom and by all rows, sparse or not, in one buffer of less than 2 GiB.
-  int most_contacts() const;
+  int max_contacts() const;
 
   const std::vector<Solid>& solids() const { return solids_; }
   /// Scene bodies that move, in the order of the model's bodies 1, 2, ...

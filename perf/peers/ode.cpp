@@ -198,8 +198,8 @@ class OdeSimulation : public peer::Simulation {
     if (may_touch_ && !may_touch_(index(a), index(b))) return;
 
     std::array<dContactGeom, 32> points;
-    const int most = is_surface(a) || is_surface(b) ? static_cast<int>(points.size()) : 8;
-    const int count = dCollide(a, b, most, points.data(), sizeof(dContactGeom));
+    const int max = is_surface(a) || is_surface(b) ? static_cast<int>(points.size()) : 8;
+    const int count = dCollide(a, b, max, points.data(), sizeof(dContactGeom));
     if (count == 0) return;
     dContact contact = {};
     contact.surface.mode = dContactApprox1;
@@ -230,12 +230,12 @@ class OdeSimulation : public peer::Simulation {
       return;
     }
     // The matrix is that of an island; this takes the world for one.
-    constexpr double most = 2e9;  // bytes
+    constexpr double max = 2e9;  // bytes
     const double bytes = 8 * rows_ * rows_;
-    if (bytes > most) {
+    if (bytes > max) {
       throw atl::Error("ODE's direct solver would need up to " + std::to_string(std::llround(bytes / 1e6)) +
                        " MB for " + std::to_string(std::llround(rows_)) + " rows; expected at most " +
-                       std::to_string(std::llround(most / 1e6)) + " MB: use --variant quickstep");
+                       std::to_string(std::llround(max / 1e6)) + " MB: use --variant quickstep");
     }
     if (dWorldStep(world_, dt_) == 0) throw atl::Error("ODE ran out of memory");
   }

@@ -54,11 +54,11 @@ class Search {
   // Newton steps with a line search on |F|, the proximal term heavier after a step that was cut short. Ends where no
   // step gets nearer.
   void descend() {
-    constexpr int most_steps = 40;
+    constexpr int max_steps = 40;
     constexpr double lightest = 1e-9, heaviest = 1e2;
     double proximal = 1e-6;
     double error = newton_.error(impulses_);
-    for (int i = 0; i < most_steps && !solution_.solved; ++i) {
+    for (int i = 0; i < max_steps && !solution_.solved; ++i) {
       Eigen::VectorXd change;
       ++solution_.newton_steps;
       const double length = newton_.step(impulses_, proximal, change) ? search_line(change, error) : 0;
@@ -75,12 +75,12 @@ class Search {
   // Full Newton steps, whether |F| falls or not. Where four points carry a flat body whose gaps disagree in the last
   // digits, |F| is a plateau that ends only where a point lets go, and the way across it leads uphill.
   void leap() {
-    constexpr int most_steps = 20;
+    constexpr int max_steps = 20;
     for (const double proximal : {1e-4, 1e-6, 1e-8, 1e-10}) {
       const Eigen::VectorXd start = impulses_;
       const double error = newton_.error(start);
       Eigen::VectorXd change;
-      for (int i = 0; i < most_steps && !solution_.solved; ++i) {
+      for (int i = 0; i < max_steps && !solution_.solved; ++i) {
         ++solution_.newton_steps;
         if (!newton_.step(impulses_, proximal, change)) break;
         impulses_ += change;

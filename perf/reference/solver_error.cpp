@@ -114,10 +114,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "seed of a scene's random content")->capture_default_str();
-  const auto add_knob = [&](const char* name, std::vector<int>& values, int least) {
+  const auto add_knob = [&](const char* name, std::vector<int>& values, int min) {
     app.add_option(name, values, "comma-separated values")
         ->delimiter(',')
-        ->check(CLI::Range(least, 1024))
+        ->check(CLI::Range(min, 1024))
         ->capture_default_str();
   };
   add_knob("--substeps", options.substeps, 1);

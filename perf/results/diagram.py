@@ -46,7 +46,7 @@ STYLE = """
 class Run:
     def __init__(self, row, measure):
         self.engine, self.label, self.default = row["engine"], row["label"], row["default"] == "1"
-        self.time, self.least, self.most = (float(row[k]) for k in ("cpu_s_per_simulated_s", "cpu_min", "cpu_max"))
+        self.time, self.lowest, self.highest = (float(row[k]) for k in ("cpu_s_per_simulated_s", "cpu_min", "cpu_max"))
         self.error = max(NO_ERROR, abs(float(row[measure])))
         self.colour = list(ENGINES).index(self.engine)
 
@@ -111,7 +111,7 @@ def labels(runs, lines, x, y, bounds):
     """Names of the defaults, each where it covers least."""
     placed, texts = [], []
     overlaps = lambda a, b: a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-    boxes_of = lambda r: (min(x(r.least), x(r.time) - 6), y(r.error) - 6, max(x(r.most), x(r.time) + 6), y(r.error) + 6)
+    boxes_of = lambda r: (min(x(r.lowest), x(r.time) - 6), y(r.error) - 6, max(x(r.highest), x(r.time) + 6), y(r.error) + 6)
     for run in (r for r in runs if r.default):
         text = ENGINES[run.engine] + " default"
         w, h, px, py = 6.9 * len(text), 14, x(run.time), y(run.error)
@@ -143,7 +143,7 @@ def pieces(points, x, y, top, right):
 def panel(rows, scene, measure, title, unit, left):
     runs = runs_of(rows, scene, measure)
     l, r, t, b = left + MARGIN["left"], left + WIDTH - MARGIN["right"], MARGIN["top"], HEIGHT - MARGIN["bottom"]
-    x = Scale([v for run in runs for v in (run.least, run.most)], l, r)
+    x = Scale([v for run in runs for v in (run.lowest, run.highest)], l, r)
     y = Scale([run.error for run in runs], b, t)
     lines = [f'<text class="title" x="{left + 6}" y="24">{title}</text>',
              f'<text x="{left + 6}" y="46">error: {unit}</text>']
@@ -156,8 +156,8 @@ def panel(rows, scene, measure, title, unit, left):
     lines.append(f'<rect class="frame" x="{l}" y="{t}" width="{r - l}" height="{b - t}"/>')
     fronts = [front([run for run in runs if (run.engine == "Atoll") == own]) for own in (False, True)]
     for run in runs:
-        lines.append(f'<path class="spread s{run.colour}" d="M{x(run.least):.1f} {y(run.error):.1f}'
-                     f'H{x(run.most):.1f}"/>')
+        lines.append(f'<path class="spread s{run.colour}" d="M{x(run.lowest):.1f} {y(run.error):.1f}'
+                     f'H{x(run.highest):.1f}"/>')
     for points, kind in zip(fronts, ("others", "s0")):
         lines.append(f'<path class="front {kind}" d="{staircase(points, x, y, t, r)}"/>')
     for run in sorted(runs, key=lambda run: (run.default, -run.colour)):

@@ -108,12 +108,12 @@ double golden_section(double low, double high, const Value& value) {
 template <class Value, class Limit, class Offer>
 void minimise_along(Breaks breaks, double bend, const Value& value, const Limit& limit, const Offer& offer) {
   constexpr double widest_step = 0.14;  // 45 samples a turn; every smooth piece seen has at most three minima
-  constexpr std::size_t most = 64;
+  constexpr std::size_t max = 64;
   breaks.visit_pieces([&](double begin, double end) {
     const auto steps =
-        std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil((end - begin) / widest_step)), 2, most);
+        std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil((end - begin) / widest_step)), 2, max);
     const double step = (end - begin) / static_cast<double>(steps);
-    std::array<double, most + 1> values;
+    std::array<double, max + 1> values;
     const auto at = [&](std::size_t i) { return i == steps ? end : begin + step * static_cast<double>(i); };
     for (std::size_t i = 0; i <= steps; ++i) values[i] = value(at(i));
     if (values[0] < limit()) offer(begin);

@@ -99,10 +99,10 @@ void offer_face(const Vector3& point, const Polytope& to, std::size_t face, Shor
 // point a little aside, but its overlap is still one of a translation that parts the shapes, so it can never report
 // too little.
 Penetration penetration(const Polytope& a, const Polytope& b, const Vector3& offset) {
-  Penetration least{std::numeric_limits<double>::infinity(), Vector3::UnitZ()};
+  Penetration min{std::numeric_limits<double>::infinity(), Vector3::UnitZ()};
   const auto offer = [&](const Vector3& normal) {
     const double depth = reach(a, normal) + reach(b, -normal) - normal.dot(offset);
-    if (depth < least.depth) least = {depth, normal};
+    if (depth < min.depth) min = {depth, normal};
   };
   for (const Vector3& normal : a.normals) offer(normal);
   for (const Vector3& normal : b.normals) offer(-normal);
@@ -116,11 +116,11 @@ Penetration penetration(const Polytope& a, const Polytope& b, const Vector3& off
       for (const double sign : {1.0, -1.0}) {
         const Vector3 normal = sign / sine * cross;
         if (!on_arc_side(on_a, normal) || !on_arc_side(on_b, -normal)) continue;
-        if (normal.dot(on_a.tail - on_b.tail - offset) < least.depth) offer(normal);
+        if (normal.dot(on_a.tail - on_b.tail - offset) < min.depth) offer(normal);
       }
     }
   }
-  return least;
+  return min;
 }
 
 Vector3 shortest_way(const Polytope& from, const Polytope& to, const Vector3& offset) {

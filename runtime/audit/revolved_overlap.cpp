@@ -34,7 +34,7 @@ class Search {
 
   void offer(const Vector3& normal) {
     const double depth = overlap(normal);
-    if (depth < least_.depth) least_ = {depth, normal};
+    if (depth < min_.depth) min_ = {depth, normal};
   }
 
   /// `sign` is 1 for directions out of a, -1 out of b.
@@ -69,7 +69,7 @@ class Search {
     search(curve, [&](double t) { return overlap(curve.at(t)); });
   }
 
-  const Penetration& least() const { return least_; }
+  const Penetration& min() const { return min_; }
 
  private:
   template <class Value>
@@ -78,7 +78,7 @@ class Search {
     add_breaks(breaks, a_, 1, curve);
     add_breaks(breaks, b_, -1, curve);
     minimise_along(
-        breaks, bend_, value, [&] { return least_.depth; }, [&](double t) { offer(curve.at(t).normalized()); });
+        breaks, bend_, value, [&] { return min_.depth; }, [&](double t) { offer(curve.at(t).normalized()); });
   }
   static void add_breaks(Breaks& breaks, const Revolved& solid, double sign, const Curve& curve) {
     breaks.add_all(solid, sign, curve);
@@ -89,7 +89,7 @@ class Search {
   const B& b_;
   Vector3 offset_;
   double bend_;
-  Penetration least_{std::numeric_limits<double>::infinity(), Vector3::UnitZ()};
+  Penetration min_{std::numeric_limits<double>::infinity(), Vector3::UnitZ()};
 };
 
 }  // namespace
@@ -100,7 +100,7 @@ Penetration penetration(const Polytope& a, const Revolved& b, const Vector3& off
   search.offer_faces(b, -1);
   search.search_edges(a, 1);
   search.search_side(b, -1);
-  return search.least();
+  return search.min();
 }
 
 Penetration penetration(const Revolved& a, const Revolved& b, const Vector3& offset) {
@@ -109,8 +109,8 @@ Penetration penetration(const Revolved& a, const Revolved& b, const Vector3& off
   search.offer_faces(b, -1);
   search.search_side(a, 1);
   search.search_side(b, -1);
-  search_rims(a, b, offset, search.least(), [&](const Vector3& normal) { search.offer(normal); });
-  return search.least();
+  search_rims(a, b, offset, search.min(), [&](const Vector3& normal) { search.offer(normal); });
+  return search.min();
 }
 
 }  // namespace atl::audit

@@ -117,7 +117,7 @@ class Descent {
 
 }  // namespace
 
-void search_rims(const Revolved& a, const Revolved& b, const Vector3& offset, const Penetration& least,
+void search_rims(const Revolved& a, const Revolved& b, const Vector3& offset, const Penetration& min,
                  const std::function<void(const Vector3&)>& offer) {
   static const Grid grid = make_grid();
   const Descent descent(a, b, offset);
@@ -126,13 +126,13 @@ void search_rims(const Revolved& a, const Revolved& b, const Vector3& offset, co
   const double slack =
       grid_slack * (std::hypot(a.radius, a.half_height) + std::hypot(b.radius, b.half_height) + offset.norm());
   for (std::size_t i = 0; i < grid_size; ++i) {
-    if (depths[i] - slack > least.depth) continue;
+    if (depths[i] - slack > min.depth) continue;
     const auto& neighbours = grid.neighbours[i];
     const bool lowest =
         std::all_of(neighbours.begin(), neighbours.end(), [&](std::size_t j) { return depths[i] <= depths[j]; });
     if (lowest) offer(descent.descend(grid.directions[i]));
   }
-  offer(descent.descend(least.normal));
+  offer(descent.descend(min.normal));
 }
 
 }  // namespace atl::audit

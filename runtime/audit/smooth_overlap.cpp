@@ -24,7 +24,7 @@ class SmoothSearch {
 
   void offer(const Vector3& normal) {
     const double depth = overlap(normal);
-    if (depth < least_.depth) least_ = {depth, normal};
+    if (depth < min_.depth) min_ = {depth, normal};
   }
 
   /// Directions centre + cos(t) x + sin(t) y, t in [0, angle].
@@ -77,10 +77,10 @@ class SmoothSearch {
 
   /// From what was found so far, and from directions all around.
   Penetration finish() {
-    if (least_.depth < std::numeric_limits<double>::infinity()) improve(least_.normal);
+    if (min_.depth < std::numeric_limits<double>::infinity()) improve(min_.normal);
     if (offset_.squaredNorm() > 0) improve(offset_.normalized());
     // Apart there is but one minimum.
-    if (least_.depth <= 0) return least_;
+    if (min_.depth <= 0) return min_;
     for (int x = -1; x <= 1; ++x) {
       for (int y = -1; y <= 1; ++y) {
         for (int z = -1; z <= 1; ++z) {
@@ -88,14 +88,14 @@ class SmoothSearch {
         }
       }
     }
-    return least_;
+    return min_;
   }
 
  private:
   const Other& a_;
   const Smooth& b_;
   Vector3 offset_;
-  Penetration least_{std::numeric_limits<double>::infinity(), Vector3::UnitZ()};
+  Penetration min_{std::numeric_limits<double>::infinity(), Vector3::UnitZ()};
 };
 
 // The direction in which one ball of a tapered capsule takes over from the other; `sign` is 1 out of a, -1 out of b.

@@ -122,7 +122,7 @@ struct Batch::Impl {
   // A bulk call of each world for those of its bodies that take it, from two arrays with a column for each of them all.
   template <typename Bulk>
   void hand_on(const char* call, const std::array<const char*, 2>& what, std::span<const std::size_t> places,
-               BodyType least, std::span<const double> first, std::span<const double> second, const Bulk& bulk) {
+               BodyType min, std::span<const double> first, std::span<const double> second, const Bulk& bulk) {
     const std::size_t a_world = 3 * bodies.size();
     check_size(call, what[0], first.size(), a_world * count_of(places));
     check_size(call, what[1], second.size(), a_world * count_of(places));
@@ -130,7 +130,7 @@ struct Batch::Impl {
       std::vector<BodyId> ids;
       Eigen::Matrix3Xd a(3, bodies.size()), b(3, bodies.size());
       for (std::size_t body = 0; body < bodies.size(); ++body) {
-        if (world.contains(bodies[body]) && world.type(bodies[body]) < least) continue;
+        if (world.contains(bodies[body]) && world.type(bodies[body]) < min) continue;
         const std::size_t from = number * a_world + 3 * body;
         const auto column = static_cast<Eigen::Index>(ids.size());
         a.col(column) = Vector3(first.data() + from);
@@ -223,8 +223,8 @@ void Batch::reset(std::span<const std::size_t> places) {
                   [&](World& world, std::size_t place, std::size_t) { world.restore(impl_->starts[place]); });
 }
 
-void Batch::keep_start(std::span<const std::size_t> places) {
-  impl_->for_each(impl_->worlds, "keep_start", places, [&](World& world, std::size_t place, std::size_t) {
+void Batch::save_start(std::span<const std::size_t> places) {
+  impl_->for_each(impl_->worlds, "save_start", places, [&](World& world, std::size_t place, std::size_t) {
     world.save(impl_->starts[place]);
     impl_->starts[place].fit({});
   });

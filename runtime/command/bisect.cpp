@@ -1,7 +1,7 @@
 #include "bisect.h"
 
 #include <atoll/error.h>
-#include <atoll/parting.h>
+#include <atoll/first_difference.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -19,40 +19,42 @@ namespace {
 
 constexpr int shown_before = 60, shown_after = 60;  // steps of the page
 
-PartingResult parting_of(const BisectOptions& options) {
+FirstDifferenceResult first_difference_of(const BisectOptions& options) {
   try {
-    return find_parting(options.first, options.second, {.threads = options.threads, .simd = options.simd});
+    return find_first_difference(options.first, options.second, {.threads = options.threads, .simd = options.simd});
   } catch (const Error& error) {
     throw Failure(Status::BadScene, error.what());
   }
 }
 
-std::string of_step(const Parting& parting, std::int64_t step) {
-  return "in " + std::string(phase_name(*parting.phase)) + " of step " + std::to_string(step);
+std::string of_step(const FirstDifference& difference, std::int64_t step) {
+  return "in " + std::string(phase_name(*difference.phase)) + " of step " + std::to_string(step);
 }
 
-std::string where_words(const Parting& parting) {
-  if (parting.by_calls) return "by calls ahead of step " + std::to_string(parting.step);
-  return parting.phase ? of_step(parting, parting.step) : "in step " + std::to_string(parting.step);
+std::string where_words(const FirstDifference& difference) {
+  if (difference.by_calls) return "by calls ahead of step " + std::to_string(difference.step);
+  return difference.phase ? of_step(difference, difference.step) : "in step " + std::to_string(difference.step);
 }
 
-void write_text(std::ostream& out, const BisectOptions& options, const PartingResult& result) {
+void write_text(std::ostream& out, const BisectOptions& options, const FirstDifferenceResult& result) {
   out << "recordings " << options.first << "\n           " << options.second << "\n";
-  if (!result.parting) {
+  if (!result.difference) {
     out << "result     same in " << plural(result.steps, "step") << ", bit for bit\n";
     return;
   }
-  const Parting& parting = *result.parting;
-  out << "same       up to step " << parting.step - 1 << "\n"
-      << "part       " << where_words(parting) << " (" << plural(result.replays, "replay") << ")\n";
-  if (parting.bodies_step.value_or(-1) != parting.step) out << "           " << beside_bodies << "\n";
-  if (parting.by_calls && parting.phase) out << "bodies     part " << of_step(parting, *parting.bodies_step) << "\n";
-  write_bodies(out, parting.bodies);
+  const FirstDifference& difference = *result.difference;
+  out << "same       up to step " << difference.step - 1 << "\n"
+      << "part       " << where_words(difference) << " (" << plural(result.replays, "replay") << ")\n";
+  if (difference.bodies_step.value_or(-1) != difference.step) out << "           " << beside_bodies << "\n";
+  if (difference.by_calls && difference.phase)
+    out << "bodies     part " << of_step(difference, *difference.bodies_step) << "\n";
+  write_bodies(out, difference.bodies);
 }
 
 // The second run around the step, beginning with it, and with the first body that differs picked.
-void write_view(const BisectOptions& options, const Parting& parting) {
-  const auto step = static_cast<int>(std::min<std::int64_t>(parting.bodies_step.value_or(parting.step), most_steps));
+void write_view(const BisectOptions& options, const FirstDifference& difference) {
+  const auto step =
+      static_cast<int>(std::min<std::int64_t>(difference.bodies_step.value_or(difference.step), max_steps));
   ViewOptions page;
   page.scene.text = options.second;
   page.threads = options.threads;
@@ -61,7 +63,7 @@ void write_view(const BisectOptions& options, const Parting& parting) {
   page.from = std::max(0, step - shown_before);
   page.to = step + shown_after;
   page.place = "step=" + std::to_string(step);
-  if (!parting.bodies.empty()) page.place += "&body=" + std::to_string(parting.bodies.front().id.index);
+  if (!difference.bodies.empty()) page.place += "&body=" + std::to_string(difference.bodies.front().id.index);
   view(page);
 }
 
@@ -84,14 +86,15 @@ void add_bisect_options(CLI::App& command, BisectOptions& options) {
 
 void bisect(const BisectOptions& options) {
   if (!options.view.empty()) page_file("--view", options.view);
-  const PartingResult result = parting_of(options);
+  const FirstDifferenceResult result = first_difference_of(options);
   write_text(std::cout, options, result);
-  if (result.parting && !options.view.empty()) write_view(options, *result.parting);
+  if (result.difference && !options.view.empty()) write_view(options, *result.difference);
   finish_output();
-  if (!result.parting) return;
-  const Parting& parting = *result.parting;
-  throw Failure(Status::CheckFailed, options.second + ": parts from " + options.first + " " + where_words(parting) +
-                                         (parting.bodies.empty() ? "" : ", " + body_words(parting.bodies.front())));
+  if (!result.difference) return;
+  const FirstDifference& difference = *result.difference;
+  throw Failure(Status::CheckFailed,
+                options.second + ": parts from " + options.first + " " + where_words(difference) +
+                    (difference.bodies.empty() ? "" : ", " + body_words(difference.bodies.front())));
 }
 
 }  // namespace atl::command

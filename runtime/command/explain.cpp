@@ -24,7 +24,7 @@ struct FeatureTally {
   const char* why_left_out = "";  // likewise
   std::int64_t steps = 0;         // that ran it
   std::int64_t items = 0;         // of these steps, in all
-  std::int64_t most = 0;          // in one step
+  std::int64_t max = 0;           // in one step
 
   void add(const FeatureReport& feature) {
     name = feature.name;
@@ -33,7 +33,7 @@ struct FeatureTally {
     if (!feature.run) return;
     ++steps;
     items += feature.items;
-    most = std::max(most, feature.items);
+    max = std::max(max, feature.items);
   }
   double mean() const { return steps == 0 ? 0 : static_cast<double>(items) / static_cast<double>(steps); }
 };
@@ -72,8 +72,8 @@ void write_feature(std::ostream& out, const std::string& name, const std::string
 }
 
 std::string extent_words(const FeatureTally& feature) {
-  return std::string(feature.unit) + " a step: " + significant(feature.mean(), 4) + ", " +
-         std::to_string(feature.most) + " at most";
+  return std::string(feature.unit) + " a step: " + significant(feature.mean(), 4) + ", " + std::to_string(feature.max) +
+         " at most";
 }
 
 void write_text(std::ostream& out, const Scene& scene, const Explanation& found) {
@@ -126,7 +126,7 @@ void write_json(std::ostream& out, const Scene& scene, const Explanation& found)
     features.push_back({{"name", feature.name},
                         {"steps", feature.steps},
                         {"items_mean", feature.mean()},
-                        {"items_max", feature.most},
+                        {"items_max", feature.max},
                         {"unit", feature.unit},
                         {"why_run", feature.why_run},
                         {"why_left_out", feature.why_left_out}});

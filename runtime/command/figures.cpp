@@ -27,10 +27,10 @@ std::vector<Count> named_counts(const StepCounts& c) {
           {"refined_islands", c.refined_islands},
           {"unsolved_islands", c.unsolved_islands},
           {"refused_islands", c.refused_islands},
-          {"unheld_islands", c.unheld_islands},
+          {"missed_targets", c.missed_targets},
           {"body_substeps", c.body_substeps},
           {"island_bodies", c.island_bodies},
-          {"most_substeps", c.most_substeps},
+          {"max_substeps", c.max_substeps},
           {"newton_iterations", c.newton_iterations},
           {"discarded_iterations", c.discarded_iterations},
           {"aabb_updates", c.aabb_updates}};

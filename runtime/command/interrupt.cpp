@@ -13,7 +13,7 @@ constexpr std::array<int, 3> ending = {SIGINT, SIGTERM, SIGHUP};
 std::atomic<int> first_signal = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a handler may use no lock");
 
-extern "C" void note_signal(int number) {
+extern "C" void record_signal(int number) {
   first_signal.store(number, std::memory_order_relaxed);
   for (const int each : ending) ::signal(each, SIG_DFL);
 }
@@ -22,7 +22,7 @@ extern "C" void note_signal(int number) {
 
 void catch_interrupts() {
   struct sigaction action = {};
-  action.sa_handler = note_signal;
+  action.sa_handler = record_signal;
   action.sa_flags = SA_RESTART;
   ::sigemptyset(&action.sa_mask);
   for (const int each : ending) ::sigaddset(&action.sa_mask, each);

@@ -29,7 +29,7 @@ CLI::Validator file_name();
 CLI::Option* add_choice(CLI::App& command, const char* option, const std::vector<std::string>& names, const char* help,
                         const std::function<void(const std::string&)>& set);
 
-constexpr int most_threads = 1024;
-constexpr int most_steps = 1'000'000'000;
+constexpr int max_threads = 1024;
+constexpr int max_steps = 1'000'000'000;
 
 }  // namespace atl::command

@@ -66,7 +66,7 @@ void add_replay_options(CLI::App& command, ReplayFileOptions& options) {
       "  atoll replay pile.rec --to 120 --scene pile-at-2s.json");
   command.add_option("FILE", options.path, "recording, as of atoll run --record")->check(file_name())->required();
   command.add_option("--to", options.to, "end after so many steps (default: all)")
-      ->check(integer_in(1, most_steps))
+      ->check(integer_in(1, max_steps))
       ->type_name("STEP");
   command.add_option("--scene", options.scene, "write the world as it is then to this file, to edit and run")
       ->check(file_name())

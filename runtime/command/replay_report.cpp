@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_bodies = 10;  // that the text lists
+constexpr std::size_t max_bodies = 10;  // that the text lists
 
 // Names the difference if no body is known to differ.
 std::string other_words(const ReplayDivergence& divergence) {
@@ -45,8 +45,8 @@ std::string body_words(const ReplayedBody& body) {
 
 void write_bodies(std::ostream& out, const std::vector<ReplayedBody>& bodies) {
   const std::string indent(11, ' ');
-  for (std::size_t i = 0; i < std::min(bodies.size(), most_bodies); ++i) out << indent << body_words(bodies[i]) << "\n";
-  if (bodies.size() > most_bodies) out << indent << "and " << bodies.size() - most_bodies << " more\n";
+  for (std::size_t i = 0; i < std::min(bodies.size(), max_bodies); ++i) out << indent << body_words(bodies[i]) << "\n";
+  if (bodies.size() > max_bodies) out << indent << "and " << bodies.size() - max_bodies << " more\n";
 }
 
 std::string first_words(const ReplayDivergence& divergence) {

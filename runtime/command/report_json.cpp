@@ -18,8 +18,8 @@ Json target_json(const ErrorTarget& target) {
        {TargetError::Penetration, TargetError::JointGap, TargetError::Residual, TargetError::Motion}) {
     if (const double limit = limit_of(target, error); limit > 0) object[name_of(error)] = limit;
   }
-  object["least_substeps"] = target.least_substeps;
-  object["most_substeps"] = target.most_substeps;
+  object["min_substeps"] = target.min_substeps;
+  object["max_substeps"] = target.max_substeps;
   return object;
 }
 
@@ -80,9 +80,9 @@ Json lost_json(const RunResult& result) {
   return array;
 }
 
-Json selected_solves_json(const RunResult& result) {
+Json solver_choices_json(const RunResult& result) {
   Json array = Json::array();
-  for (const auto& [body, island] : result.selected_solves) {
+  for (const auto& [body, island] : result.solver_choices) {
     array.push_back({{"lowest_body", body},
                      {"bodies", island.bodies},
                      {"contacts", island.contacts},
@@ -101,14 +101,14 @@ Json selected_solves_json(const RunResult& result) {
 // The error target over the whole run: its substeps, and the steps that missed it.
 Json tally_json(const TargetTally& tally) {
   return {{"mean_substeps", tally.mean_substeps()},
-          {"most_substeps", tally.most_substeps},
-          {"unheld_steps", tally.unheld_steps},
-          {"unheld_islands", tally.unheld_islands}};
+          {"max_substeps", tally.max_substeps},
+          {"missed_steps", tally.missed_steps},
+          {"missed_targets", tally.missed_targets}};
 }
 
-Json unheld_islands_json(const RunResult& result, const ErrorTarget& target) {
+Json missed_targets_json(const RunResult& result, const ErrorTarget& target) {
   Json array = Json::array();
-  for (const auto& [body, island] : result.unheld_islands) {
+  for (const auto& [body, island] : result.missed_targets) {
     array.push_back({{"lowest_body", body},
                      {"bodies", island.bodies},
                      {"contacts", island.contacts},
@@ -160,10 +160,10 @@ void write_json(std::ostream& out, const Scene& scene, const World& world, const
   object["counts"] = counts_json(result.last.counts);
   object["errors"] = errors_json(result);
   object["features"] = features_json(result.last.features);
-  if (!result.selected_solves.empty()) object["selected_solves"] = selected_solves_json(result);
+  if (!result.solver_choices.empty()) object["solver_choices"] = solver_choices_json(result);
   if (scene.settings.target.is_set()) {
     object["target"] = tally_json(result.target);
-    object["unheld_islands"] = unheld_islands_json(result, scene.settings.target);
+    object["missed_targets"] = missed_targets_json(result, scene.settings.target);
   }
   if (!result.lost.empty()) object["quarantined"] = lost_json(result);
   if (result.interrupted) object["interrupted"] = {{"by", interrupt_name()}, {"steps_asked", scene.steps}};

@@ -52,8 +52,8 @@ void write_head(std::ostream& out, const Scene& scene, const World& world, const
       << (s.contact_solver == ContactSolver::Auto ? "" : std::string(", contacts ") + name_of(s.contact_solver))
       << (scene.joints.empty() ? "" : std::string(", joints ") + name_of(s.joint_solver)) << "\n";
   if (s.target.is_set()) {
-    out << "target    " << tradeoff::target_words(s.target) << ", with " << s.target.least_substeps << " to "
-        << s.target.most_substeps << " substeps an island\n";
+    out << "target    " << tradeoff::target_words(s.target) << ", with " << s.target.min_substeps << " to "
+        << s.target.max_substeps << " substeps an island\n";
   }
 }
 
@@ -119,13 +119,13 @@ void write_features(std::ostream& out, const std::array<FeatureReport, feature_c
   }
 }
 
-void write_selected_solves(std::ostream& out, const Scene& scene, const RunResult& result) {
-  if (result.selected_solves.empty()) return;
-  constexpr std::size_t most = 10;
+void write_solver_choices(std::ostream& out, const Scene& scene, const RunResult& result) {
+  if (result.solver_choices.empty()) return;
+  constexpr std::size_t max = 10;
   out << "\nislands that sweeps can't hold up, in the last step\n";
-  for (std::size_t i = 0; i < std::min(most, result.selected_solves.size()); ++i) {
-    const SelectedSolve& island = result.selected_solves[i].island;
-    out << "  of " << body_words(scene, result.selected_solves[i].body) << ", "
+  for (std::size_t i = 0; i < std::min(max, result.solver_choices.size()); ++i) {
+    const SolverChoice& island = result.solver_choices[i].island;
+    out << "  of " << body_words(scene, result.solver_choices[i].body) << ", "
         << plural(static_cast<std::int64_t>(island.bodies), "dynamic body", "dynamic bodies") << ", "
         << plural(static_cast<std::int64_t>(island.contacts), "contact") << ": " << island.why << "; "
         << (island.direct          ? "solved at once"
@@ -135,7 +135,7 @@ void write_selected_solves(std::ostream& out, const Scene& scene, const RunResul
     if (scene.settings.profile) out << ", " << fixed(island.ms, 4) << " ms";
     out << "\n";
   }
-  if (result.selected_solves.size() > most) out << "  and " << result.selected_solves.size() - most << " more\n";
+  if (result.solver_choices.size() > max) out << "  and " << result.solver_choices.size() - max << " more\n";
 }
 
 // In mm and mm/s, which targets are about.
@@ -149,19 +149,19 @@ std::string words_of(TargetError error) { return error == TargetError::JointGap 
 void write_target(std::ostream& out, const Scene& scene, const RunResult& result) {
   const ErrorTarget& target = scene.settings.target;
   if (!target.is_set()) return;
-  constexpr std::size_t most = 5;
+  constexpr std::size_t max = 5;
   const TargetTally& tally = result.target;
   out << "\nsubsteps for the target\n  a body of an island got " << significant(tally.mean_substeps(), 3)
-      << " a step in the mean, and " << tally.most_substeps << " at most;\n  "
-      << (tally.unheld_steps == 0
+      << " a step in the mean, and " << tally.max_substeps << " at most;\n  "
+      << (tally.missed_steps == 0
               ? "all islands were held in all steps"
-              : plural(tally.unheld_steps, "step") + " of " + std::to_string(result.steps) +
-                    " ended with an island not held, " + std::to_string(tally.unheld_islands) + " islands in all")
+              : plural(tally.missed_steps, "step") + " of " + std::to_string(result.steps) +
+                    " ended with an island not held, " + std::to_string(tally.missed_targets) + " islands in all")
       << "\n";
-  if (!result.unheld_islands.empty()) out << "  not held in the last step\n";
-  for (std::size_t i = 0; i < std::min(most, result.unheld_islands.size()); ++i) {
-    const UnheldIsland& island = result.unheld_islands[i].island;
-    out << "    of " << body_words(scene, result.unheld_islands[i].body) << ", "
+  if (!result.missed_targets.empty()) out << "  not held in the last step\n";
+  for (std::size_t i = 0; i < std::min(max, result.missed_targets.size()); ++i) {
+    const MissedTarget& island = result.missed_targets[i].island;
+    out << "    of " << body_words(scene, result.missed_targets[i].body) << ", "
         << plural(static_cast<std::int64_t>(island.bodies), "dynamic body", "dynamic bodies") << ", "
         << plural(static_cast<std::int64_t>(island.contacts), "contact") << ", "
         << plural(static_cast<std::int64_t>(island.joints), "joint") << ": " << words_of(island.error) << " "
@@ -169,7 +169,7 @@ void write_target(std::ostream& out, const Scene& scene, const RunResult& result
         << target_value(limit_of(target, island.error), island.error) << ", in " << plural(island.substeps, "substep")
         << ": " << island.why << "\n";
   }
-  if (result.unheld_islands.size() > most) out << "    and " << result.unheld_islands.size() - most << " more\n";
+  if (result.missed_targets.size() > max) out << "    and " << result.missed_targets.size() - max << " more\n";
 }
 
 void write_errors(std::ostream& out, const Scene& scene, const RunResult& result) {
@@ -225,7 +225,7 @@ void write_text(std::ostream& out, const Scene& scene, const World& world, const
     write_features(out, result.last.features);
     write_solver_times(out, scene, result);
   }
-  write_selected_solves(out, scene, result);
+  write_solver_choices(out, scene, result);
   write_target(out, scene, result);
   write_times(out, result);
   write_errors(out, scene, result);

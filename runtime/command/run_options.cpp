@@ -11,10 +11,10 @@ namespace atl::command {
 
 void add_machine_options(CLI::App& command, int& threads, Simd& simd) {
   const unsigned cores = std::thread::hardware_concurrency();  // 0 where it is unknown
-  threads = std::clamp(static_cast<int>(cores), 1, most_threads);
+  threads = std::clamp(static_cast<int>(cores), 1, max_threads);
   const char* machine = "Machine (none of these changes a bit of the result)";
   command.add_option("--threads", threads, "worker threads (default: all cores)")
-      ->check(integer_in(1, most_threads))
+      ->check(integer_in(1, max_threads))
       ->group(machine);
   add_choice(command, "--simd", {"auto", "portable", "sse4", "avx2", "avx512"}, "vector instructions of the solver",
              [&simd](const std::string& name) { simd = simd_named(name); })

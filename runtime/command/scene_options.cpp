@@ -15,15 +15,15 @@ void apply_target(const SceneOptions& options, ErrorTarget& target) {
   if (options.target) {
     const ErrorTarget before = target;
     target = *options.target;
-    target.least_substeps = before.least_substeps;
-    target.most_substeps = before.most_substeps;
+    target.min_substeps = before.min_substeps;
+    target.max_substeps = before.max_substeps;
   }
-  if (!options.most_substeps) return;
+  if (!options.max_substeps) return;
   if (!target.is_set()) {
-    throw Failure(Status::Usage, "--most-substeps: found no target, expected --target or a scene that has one");
+    throw Failure(Status::Usage, "--max-substeps: found no target, expected --target or a scene that has one");
   }
-  target.most_substeps = *options.most_substeps;
-  target.least_substeps = std::min(target.least_substeps, target.most_substeps);
+  target.max_substeps = *options.max_substeps;
+  target.min_substeps = std::min(target.min_substeps, target.max_substeps);
 }
 
 void apply(const SceneOptions& options, Scene& scene) {
@@ -56,7 +56,7 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
 
   const char* content = "Scene";
   command.add_option("--steps", options.steps, "steps to simulate (default: the scene's)")
-      ->check(integer_in(1, most_steps))
+      ->check(integer_in(1, max_steps))
       ->group(content);
   command.add_option("--dt", options.dt, "s of simulated time a step, as 1/60 or 0.01 (default: the scene's)")
       ->transform(seconds_a_step())
@@ -82,7 +82,7 @@ CLI::Option* add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(error_target())
       ->type_name("ERROR")
       ->group(solver);
-  command.add_option("--most-substeps", options.most_substeps, "with a target: the most that an island may get")
+  command.add_option("--max-substeps", options.max_substeps, "with a target: the most that an island may get")
       ->check(integer_in(1, 1024))
       ->group(solver);
   command.add_option("--iterations", options.iterations, "sweeps over the contacts and joints a substep")

@@ -22,7 +22,7 @@ struct SceneOptions {
   std::optional<double> dt;  ///< s
   std::optional<int> substeps;
   std::optional<ErrorTarget> target;  ///< its errors
-  std::optional<int> most_substeps;   ///< of a target
+  std::optional<int> max_substeps;    ///< of a target
   std::optional<int> iterations;
   std::optional<int> relax_iterations;
   std::optional<FrictionModel> friction;

@@ -36,9 +36,9 @@ std::size_t place_of(BodyId id, const std::vector<BodyId>& ids) {
 void TargetTally::add(const StepCounts& counts) {
   bodies += counts.island_bodies;
   body_substeps += counts.body_substeps;
-  most_substeps = std::max(most_substeps, counts.most_substeps);
-  unheld_steps += counts.unheld_islands > 0;
-  unheld_islands += counts.unheld_islands;
+  max_substeps = std::max(max_substeps, counts.max_substeps);
+  missed_steps += counts.missed_targets > 0;
+  missed_targets += counts.missed_targets;
 }
 
 double TargetTally::mean_substeps() const {
@@ -87,11 +87,11 @@ RunResult simulate(const Scene& scene, World& world, const std::vector<BodyId>& 
     progress.update(step);
   }
   const auto steps = static_cast<double>(ms.size());
-  for (const SelectedSolve& island : world.selected_solves()) {
-    result.selected_solves.push_back({place_of(island.lowest, ids), island});
+  for (const SolverChoice& island : world.solver_choices()) {
+    result.solver_choices.push_back({place_of(island.lowest, ids), island});
   }
-  for (const UnheldIsland& island : world.unheld_islands()) {
-    result.unheld_islands.push_back({place_of(island.lowest, ids), island});
+  for (const MissedTarget& island : world.missed_targets()) {
+    result.missed_targets.push_back({place_of(island.lowest, ids), island});
   }
   for (double& phase : result.phase_ms) phase /= steps;
   for (double& phase : result.solver_ms) phase /= steps;

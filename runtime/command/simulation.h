@@ -31,28 +31,28 @@ struct LostBody {
   const char* why;
 };
 
-/// An island that sweeps could not hold up: see World::selected_solves().
+/// An island that sweeps could not hold up: see World::solver_choices().
 struct SolveOfBody {
   std::size_t body;  ///< the lowest of it: place in the scene's list
-  SelectedSolve island;
+  SolverChoice island;
 };
 
 /// With a target: what islands got for it over the steps of a run, and whether that held their errors.
 struct TargetTally {
   std::int64_t bodies = 0;         ///< of islands, of all steps
   std::int64_t body_substeps = 0;  ///< that these got
-  std::int64_t most_substeps = 0;  ///< that an island got in a step
-  std::int64_t unheld_steps = 0;   ///< with an island beyond its target
-  std::int64_t unheld_islands = 0;
+  std::int64_t max_substeps = 0;   ///< that an island got in a step
+  std::int64_t missed_steps = 0;   ///< with an island beyond its target
+  std::int64_t missed_targets = 0;
 
   void add(const StepCounts& counts);
   double mean_substeps() const;  ///< that a body got in a step
 };
 
-/// An error beyond its target: see World::unheld_islands().
-struct UnheldOfBody {
+/// An error beyond its target: see World::missed_targets().
+struct MissedOfBody {
   std::size_t body;  ///< the lowest of the island: place in the scene's list
-  UnheldIsland island;
+  MissedTarget island;
 };
 
 /// The result of a scene's run.
@@ -63,11 +63,11 @@ struct RunResult {
   std::array<double, phase_count> phase_ms = {};  ///< mean
   /// Means, with Settings::profile only.
   std::array<double, solver_phase_count> solver_ms = {};
-  double points = 0;                         ///< mean, of manifolds
-  StepReport last;                           ///< of the last step
-  std::vector<SolveOfBody> selected_solves;  ///< likewise
+  double points = 0;                        ///< mean, of manifolds
+  StepReport last;                          ///< of the last step
+  std::vector<SolveOfBody> solver_choices;  ///< likewise
   TargetTally target;
-  std::vector<UnheldOfBody> unheld_islands;  ///< of the last step
+  std::vector<MissedOfBody> missed_targets;  ///< of the last step
   std::vector<LostBody> lost;                ///< in order of ids
   bool broken = false;                       ///< ended by a body that was lost: the measures below are not set
   std::vector<ErrorMeasure> errors;

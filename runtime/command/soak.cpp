@@ -134,10 +134,10 @@ void soak(const SoakCommandOptions& options) {
   }
   diary.end(*soak);
   finish_output();
-  if (diary.drift().value_or(0) > MemoryDrift::most) {
+  if (diary.drift().value_or(0) > MemoryDrift::max_growth) {
     throw Failure(Status::CheckFailed, "soak: memory grew by " + fixed(100 * *diary.drift(), 2) +
-                                           "% after warm-up, expected at most " + fixed(100 * MemoryDrift::most, 0) +
-                                           "%");
+                                           "% after warm-up, expected at most " +
+                                           fixed(100 * MemoryDrift::max_growth, 0) + "%");
   }
   if (interrupted()) throw interruption("soak", "after step " + std::to_string(soak->tally().steps));
 }

@@ -36,7 +36,7 @@ std::size_t resident_memory();
 /// time itself.
 class MemoryDrift {
  public:
-  static constexpr double most = 0.01;  // of what there was after warm-up
+  static constexpr double max_growth = 0.01;  // of what there was after warm-up
 
   void note(std::int64_t step, std::size_t bytes);
   /// Growth relative to the memory after warm-up; nothing before twice the least warm-up.
@@ -45,10 +45,10 @@ class MemoryDrift {
  private:
   static constexpr std::size_t samples = 8;
 
-  std::size_t least() const;
+  std::size_t min() const;
 
   std::array<std::size_t, samples> last_ = {};
-  std::size_t noted_ = 0;
+  std::size_t new_ = 0;
   std::int64_t next_mark_ = soak::warm_up_steps();  // steps; twice as many each time
   std::size_t at_mark_ = 0, at_mark_before_ = 0;    // bytes; 0 where there was none
 };

@@ -12,7 +12,7 @@
 namespace atl::command {
 namespace {
 
-constexpr double least_ms = 1e-4;
+constexpr double min_ms = 1e-4;
 constexpr double megabyte = 1e6;
 
 std::string drift_words(const std::optional<double>& drift) { return drift ? fixed(100 * *drift, 2) : "warm-up"; }
@@ -34,7 +34,7 @@ constexpr Column columns[] = {{"s", 7},       {"steps", 10},     {"bodies", 7}, 
 }  // namespace
 
 void TimeClasses::add(double ms) {
-  const double place = std::log(std::max(ms, least_ms) / least_ms) / std::log(1.01);
+  const double place = std::log(std::max(ms, min_ms) / min_ms) / std::log(1.01);
   ++counts_[std::min(static_cast<std::size_t>(place), classes - 1)];
   ++count_;
   max_ = std::max(max_, ms);
@@ -52,7 +52,7 @@ double TimeClasses::quantile(double share) const {
   std::int64_t below = 0;
   for (std::size_t i = 0; i < classes; ++i) {
     below += counts_[i];
-    if (below >= rank) return std::min(max_, least_ms * std::pow(1.01, static_cast<double>(i) + 0.5));
+    if (below >= rank) return std::min(max_, min_ms * std::pow(1.01, static_cast<double>(i) + 0.5));
   }
   return max_;
 }
@@ -64,21 +64,21 @@ std::size_t resident_memory() {
   return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-std::size_t MemoryDrift::least() const {
-  return *std::min_element(last_.begin(), last_.begin() + static_cast<std::ptrdiff_t>(std::min(noted_, samples)));
+std::size_t MemoryDrift::min() const {
+  return *std::min_element(last_.begin(), last_.begin() + static_cast<std::ptrdiff_t>(std::min(new_, samples)));
 }
 
 void MemoryDrift::note(std::int64_t step, std::size_t bytes) {
-  last_[noted_++ % samples] = bytes;
+  last_[new_++ % samples] = bytes;
   if (step < next_mark_) return;
   at_mark_before_ = at_mark_;
-  at_mark_ = least();
+  at_mark_ = min();
   next_mark_ *= 2;
 }
 
 std::optional<double> MemoryDrift::drift() const {
   if (at_mark_before_ == 0) return std::nullopt;
-  return static_cast<double>(least()) / static_cast<double>(at_mark_before_) - 1;
+  return static_cast<double>(min()) / static_cast<double>(at_mark_before_) - 1;
 }
 
 void write_soak_head(std::ostream& out) {

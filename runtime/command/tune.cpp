@@ -20,7 +20,7 @@ std::string error_words(const Trial& trial) {
   const tradeoff::RestErrors& errors = trial.errors;
   const std::string penetration =
       "penetration " +
-      (errors.penetration > 0 ? millimetres(errors.penetration) : "below " + millimetres(tradeoff::least_tuned_error));
+      (errors.penetration > 0 ? millimetres(errors.penetration) : "below " + millimetres(tradeoff::min_tuned_error));
   if (errors.joint_gap == 0) return penetration;
   const std::string gap = "joint gap " + millimetres(errors.joint_gap);
   return errors.penetration == 0 ? gap : penetration + ", " + gap;
@@ -59,9 +59,9 @@ void write_block(std::ostream& out, const Trial& trial) {
 }
 
 Failure nothing_holds(const tradeoff::ScenePlan& plan, double error, const Tuning& tuning) {
-  const std::string best = tuning.most_exact
-                               ? "the best, " + settings_words(tuning.trials[*tuning.most_exact]) + ", come to " +
-                                     error_words(tuning.trials[*tuning.most_exact]) + " at rest"
+  const std::string best = tuning.smallest_error
+                               ? "the best, " + settings_words(tuning.trials[*tuning.smallest_error]) + ", come to " +
+                                     error_words(tuning.trials[*tuning.smallest_error]) + " at rest"
                                : "no run came to its end as it should; " + tuning.trials.front().record.why;
   return Failure(Status::CheckFailed, plan.scene.name + ": no fixed settings of up to " +
                                           std::to_string(tradeoff::tuning_ladder().back()) + " substeps hold " +
@@ -69,9 +69,9 @@ Failure nothing_holds(const tradeoff::ScenePlan& plan, double error, const Tunin
 }
 
 Tuning find(const tradeoff::ScenePlan& plan, const TuneOptions& options) {
-  tradeoff::RunPolicy policy = tradeoff::RunPolicy::usual(false);
+  tradeoff::RunPolicy policy = tradeoff::RunPolicy::standard(false);
   policy.repeats = options.repeats.value_or(policy.repeats);
-  policy.least_time = options.time.value_or(policy.least_time);
+  policy.min_time = options.time.value_or(policy.min_time);
   policy.stop = interrupted;
   try {
     return tradeoff::tune(plan, options.error, policy, [&](const Trial& trial) { tell_trial(trial, options.error); });
@@ -85,10 +85,9 @@ Tuning find(const tradeoff::ScenePlan& plan, const TuneOptions& options) {
 }  // namespace
 
 void tune(const TuneOptions& options) {
-  if (options.error < tradeoff::least_tuned_error) {
+  if (options.error < tradeoff::min_tuned_error) {
     throw Failure(Status::Usage, "--error: found " + millimetres(options.error) + ", expected at least " +
-                                     millimetres(tradeoff::least_tuned_error) +
-                                     ", as smaller overlaps are not counted");
+                                     millimetres(tradeoff::min_tuned_error) + ", as smaller overlaps are not counted");
   }
   const tradeoff::ScenePlan plan = tradeoff::plan_to_tune(options.scene, options.seed, options.steps);
   const Tuning tuning = find(plan, options);

@@ -22,7 +22,7 @@ void add_tune_options(CLI::App& command, TuneOptions& options) {
       ->check(length_above_zero())
       ->type_name("LENGTH");
   command.add_option("--steps", options.steps, "steps to judge by (default: the scene's)")
-      ->check(integer_in(1, most_steps));
+      ->check(integer_in(1, max_steps));
   command.add_option("--repeats", options.repeats, "timing runs of each that holds (default: 3)")
       ->check(integer_in(1, 1000));
   command.add_option("--time", options.time, "s of stepping in one of these, at least (default: 0.03)")

@@ -39,7 +39,7 @@ void write_tuning_json(std::ostream& out, const tradeoff::ScenePlan& plan, doubl
                        {"dt", plan.scene.dt},
                        {"settings", settings},
                        {"cheapest", tuning.cheapest ? Json(*tuning.cheapest) : Json()},
-                       {"most_exact", tuning.most_exact ? Json(*tuning.most_exact) : Json()},
+                       {"smallest_error", tuning.smallest_error ? Json(*tuning.smallest_error) : Json()},
                        {"trials", trials}};
   out << object.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
 }

@@ -36,7 +36,7 @@ using Watchers = std::vector<view::Watcher*>;
 void watch_recording(const ViewOptions& options, const Watchers& watchers) {
   try {
     Playback playback(options.scene.text, {.threads = options.threads, .simd = options.simd, .key_frame_bytes = 0});
-    const std::int64_t to = std::min<std::int64_t>(options.to.value_or(most_steps), playback.steps());
+    const std::int64_t to = std::min<std::int64_t>(options.to.value_or(max_steps), playback.steps());
     if (options.from > to) {
       throw Failure(Status::Usage, "--from: found " + std::to_string(options.from) + ", expected at most " +
                                        std::to_string(to) + ", the last step");
@@ -147,19 +147,19 @@ void add_view_options(CLI::App& command, ViewOptions& options) {
       ->type_name("FILE.vtkhdf")
       ->group(output);
   command.add_option("--step", options.step, "of which state the picture is: after so many steps (default: the last)")
-      ->check(integer_in(0, most_steps))
+      ->check(integer_in(0, max_steps))
       ->type_name("STEP")
       ->group(output);
   command.add_option("--every", options.stride, "show every so many steps (default: 1)")
-      ->check(integer_in(1, most_steps))
+      ->check(integer_in(1, max_steps))
       ->type_name("STEPS")
       ->group(output);
   command.add_option("--from", options.from, "of a recording, begin after so many steps (default: 0)")
-      ->check(integer_in(0, most_steps))
+      ->check(integer_in(0, max_steps))
       ->type_name("STEP")
       ->group(output);
   command.add_option("--to", options.to, "of a recording, end after so many steps (default: all)")
-      ->check(integer_in(0, most_steps))
+      ->check(integer_in(0, max_steps))
       ->type_name("STEP")
       ->group(output);
   command.footer(

@@ -13,10 +13,10 @@ namespace {
 constexpr double goal = 1e-11;  // m and rad: rounding of a reach of 1 km is 1e-13
 // Steps that are taken or tried. An arm of seven hinges took 6 to poses whose angles were within 0.5 rad, the median of
 // 300, and 100 at most to any of the poses that it reached from anywhere.
-constexpr int most_iterations = 400;
-constexpr double first_damping = 1e-3;   // of the mean square of the Jacobian's rows, as all dampings
-constexpr double least_damping = 1e-12;  // where rounding begins to show in the solve
-constexpr double most_damping = 1e12;    // no step is small enough to be a gain
+constexpr int max_iterations = 400;
+constexpr double first_damping = 1e-3;  // of the mean square of the Jacobian's rows, as all dampings
+constexpr double min_damping = 1e-12;   // where rounding begins to show in the solve
+constexpr double max_damping = 1e12;    // no step is small enough to be a gain
 
 // Which numbers of q a step may change, and how far.
 struct Freedom {
@@ -108,7 +108,7 @@ InverseKinematics inverse_kinematics(const Tree& tree, const World& world, const
   Candidate best(tree, world, target, freedom.within(read_q(tree, world)));
   double damping = first_damping;
   int iterations = 0;
-  while (iterations < most_iterations && best.error.norm() > goal && damping < most_damping) {
+  while (iterations < max_iterations && best.error.norm() > goal && damping < max_damping) {
     ++iterations;
     const MatrixXd jacobian = jacobian_at(tree, best.at, target.link, best.point).topRows(best.error.size());
     const double scale = jacobian.squaredNorm() / static_cast<double>(jacobian.rows());
@@ -117,7 +117,7 @@ InverseKinematics inverse_kinematics(const Tree& tree, const World& world, const
     Candidate next(tree, world, target, freedom.within(integrate(tree, best.q, step)));
     if (next.error.norm() < best.error.norm()) {
       best = std::move(next);
-      damping = std::max(0.1 * damping, least_damping);
+      damping = std::max(0.1 * damping, min_damping);
     } else {
       damping *= 10;
     }

@@ -14,12 +14,12 @@ namespace {
 using collision::Shape;
 using collision::ShapeKind;
 
-bool is_size(double value) { return value >= numbers.least && value <= numbers.most; }
+bool is_size(double value) { return value >= numbers.min && value <= numbers.max; }
 bool are_sizes(const Vector3& values) { return is_size(values.x()) && is_size(values.y()) && is_size(values.z()); }
-bool is_number(double value) { return std::abs(value) <= numbers.most; }
+bool is_number(double value) { return std::abs(value) <= numbers.max; }
 // maxCoeff() may pass over what is not a number.
 bool is_number(const Vector3& value) { return is_number(value.x()) && is_number(value.y()) && is_number(value.z()); }
-bool is_not_negative(double value) { return value >= 0 && value <= numbers.most; }
+bool is_not_negative(double value) { return value >= 0 && value <= numbers.max; }
 bool is_unit(double squared_length) { return std::abs(squared_length - 1) < 1e-9; }
 
 bool is_valid(const Material& material) {
@@ -69,8 +69,8 @@ bool is_valid(const Shape& shape) {
 
 bool is_valid(const CheckedCollider& collider) {
   return is_valid(collider.shape) && is_number(collider.local.position) &&
-         is_unit(collider.local.orientation.squaredNorm()) && collider.density_factor >= numbers.least &&
-         collider.density_factor <= numbers.most && (!collider.material || is_valid(*collider.material));
+         is_unit(collider.local.orientation.squaredNorm()) && collider.density_factor >= numbers.min &&
+         collider.density_factor <= numbers.max && (!collider.material || is_valid(*collider.material));
 }
 
 bool has_valid_mass(const BodyConstants& body) {
@@ -79,7 +79,7 @@ bool has_valid_mass(const BodyConstants& body) {
   }
   constexpr double rounding = 1e-9;
   const double mass = 1 / body.inverse_mass;
-  if (!(mass >= loads.least * (1 - rounding) && mass <= loads.most * (1 + rounding))) return false;
+  if (!(mass >= loads.min * (1 - rounding) && mass <= loads.max * (1 + rounding))) return false;
   return has_consistent_inertia(body);
 }
 

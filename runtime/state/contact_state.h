@@ -86,9 +86,9 @@ void visit_ids(Archive& archive, Contact& contact, std::size_t count, bool near)
 template <typename Contact, typename Manifold>
 bool is_sound_contact(const Contact& contact, const Manifold& manifold) {
   // Two shapes as large as they may be overlap by twice that, and by what their bodies are off.
-  constexpr double most = 4 * numbers.most;
+  constexpr double max = 4 * numbers.max;
   const auto sound = [](const auto& values) {
-    return std::ranges::all_of(values, [](auto x) { return std::abs(x) <= most; });
+    return std::ranges::all_of(values, [](auto x) { return std::abs(x) <= max; });
   };
   // Impulses are as large as masses and speeds make them.
   const auto finite = [](const auto& values) {
@@ -140,12 +140,12 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
     return;
   }
   archive.value(contact.margin);
-  bool normal_told = false;
+  bool normal_stored = false;
   if constexpr (Archive::hashes) {
     archive.value(contact.tolerance);
     if (contact.material != 0) archive.value(contact.material);
   } else {
-    normal_told = visit_tolerance_and_normal(archive, contact);
+    normal_stored = visit_tolerance_and_normal(archive, contact);
   }
   if ((flags & is::wide_axis) != 0) {
     archive.value(contact.axis);
@@ -155,7 +155,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
     if constexpr (Archive::reads) contact.axis = axis;
   }
   archive.values(contact.orientation.data(), 4);
-  if (!normal_told) archive.values(contact.normal.data(), 3);
+  if (!normal_stored) archive.values(contact.normal.data(), 3);
   archive.values(contact.centre_incident.data(), 3);
   archive.values(contact.centre_reference.data(), 3);
   const std::size_t count = contact.count;

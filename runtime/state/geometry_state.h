@@ -19,10 +19,10 @@ namespace atl {
 
 /// Visits as many as there are, each of at least so many bytes.
 template <typename Archive, typename List, typename Visit>
-void visit_each(Archive& archive, List& list, std::size_t least_bytes, const Visit& visit) {
+void visit_each(Archive& archive, List& list, std::size_t min_bytes, const Visit& visit) {
   auto count = static_cast<std::uint32_t>(list.size());
   if constexpr (Archive::reads) {
-    count = archive.count_of(least_bytes);
+    count = archive.count_of(min_bytes);
     list.resize(count);
   } else {
     archive.value(count);

@@ -183,9 +183,9 @@ void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
       // The bodies' poses give each angle up to whole turns; the number of turns is state of its own, and is checked
       // for bounds.
       const double turned = finite ? solver::continued(joint.coordinate[row], 0, joint.position[row]) : 0;
-      finite &= std::abs(turned) <= numbers.most;
+      finite &= std::abs(turned) <= numbers.max;
     }
-    for (std::size_t i = 0; i < joint.terms; ++i) finite &= std::abs(joint.term[i].position) <= numbers.most;
+    for (std::size_t i = 0; i < joint.terms; ++i) finite &= std::abs(joint.term[i].position) <= numbers.max;
     archive.check_number(finite, "a joint whose state is not finite, or out of bounds");
   }
   for (std::size_t row = 0; row < joint.rows; ++row) {

@@ -34,8 +34,8 @@ class Playback::Impl {
  public:
   Impl(const std::string& path, const PlaybackOptions& options)
       : replay_(opened(path, options)),
-        most_near_bytes_(static_cast<std::size_t>(near_part * static_cast<double>(options.key_frame_bytes))),
-        most_key_bytes_(options.key_frame_bytes - most_near_bytes_) {
+        max_near_bytes_(static_cast<std::size_t>(near_part * static_cast<double>(options.key_frame_bytes))),
+        max_key_bytes_(options.key_frame_bytes - max_near_bytes_) {
     keep(replay_, keys_);
     if (options.key_frame_bytes > 0) maker_.emplace(opened(path, options));
   }
@@ -99,7 +99,7 @@ class Playback::Impl {
 
   // The first always stays.
   void thin() {
-    while (keys_.bytes > most_key_bytes_ && keys_.marks.size() > 2) {
+    while (keys_.bytes > max_key_bytes_ && keys_.marks.size() > 2) {
       interval_ *= 2;
       keys_.drop_if([this](std::int64_t step) { return step % interval_ != 0; });
     }
@@ -108,7 +108,7 @@ class Playback::Impl {
   // Steps from one state near by to the next: three intervals of them fit. 0 if not even a few do.
   std::int64_t near_stride() const {
     for (std::int64_t stride = 1; stride < interval_; stride *= 2) {
-      if (static_cast<std::size_t>(3 * interval_ / stride) * mark_bytes_ <= most_near_bytes_) return stride;
+      if (static_cast<std::size_t>(3 * interval_ / stride) * mark_bytes_ <= max_near_bytes_) return stride;
     }
     return 0;
   }
@@ -160,7 +160,7 @@ class Playback::Impl {
   }
 
   Replay replay_;
-  std::size_t most_near_bytes_, most_key_bytes_;
+  std::size_t max_near_bytes_, max_key_bytes_;
   std::size_t mark_bytes_ = 0;  // of the last one
   std::int64_t interval_ = first_interval;
   Marks keys_;

@@ -12,7 +12,7 @@ Recorder::Recorder(const std::filesystem::path& path, const RecordingOptions& op
   write(RecordKind::Begin, writer);
 }
 
-void Recorder::note_geometry(const BodyConstants& constants) {
+void Recorder::record_geometry(const BodyConstants& constants) {
   for (const CheckedCollider& collider : constants.colliders) {
     if (!collider.geometry || !geometry_.emplace(collider.shape.kind, collider.content).second) continue;
     StateWriter writer(bytes_);
@@ -25,7 +25,7 @@ void Recorder::note_geometry(const BodyConstants& constants) {
 std::uint32_t Recorder::number_of_kind(const BodyConstants& constants, std::uint64_t kind) {
   const auto [entry, is_new] = kinds_.try_emplace(kind, static_cast<std::uint32_t>(kinds_.size()));
   if (is_new) {
-    note_geometry(constants);
+    record_geometry(constants);
     StateWriter writer(bytes_);
     visit_constants(writer, constants);
     write(RecordKind::BodyKind, writer);
@@ -33,7 +33,7 @@ std::uint32_t Recorder::number_of_kind(const BodyConstants& constants, std::uint
   return entry->second;
 }
 
-void Recorder::note_body(const CheckedBody& body, std::uint64_t kind) {
+void Recorder::record_body(const CheckedBody& body, std::uint64_t kind) {
   const std::uint32_t number = number_of_kind(body.constants, kind);
   StateWriter writer(bytes_);
   writer.value(number);
@@ -41,7 +41,7 @@ void Recorder::note_body(const CheckedBody& body, std::uint64_t kind) {
   write(RecordKind::AddBody, writer);
 }
 
-void Recorder::note_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind) {
+void Recorder::record_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind) {
   const std::uint32_t number = number_of_kind(constants, kind);
   StateWriter writer(bytes_);
   visit_field(writer, body);
@@ -49,9 +49,9 @@ void Recorder::note_shape(BodyId body, const BodyConstants& constants, std::uint
   write(RecordKind::SetShape, writer);
 }
 
-void Recorder::note_state(const WorldDefinition& world_definition, std::span<const std::byte> state) {
+void Recorder::record_world_state(const WorldDefinition& world_definition, std::span<const std::byte> state) {
   for (const std::shared_ptr<const BodyConstants>& body : world_definition.bodies) {
-    if (body) note_geometry(*body);
+    if (body) record_geometry(*body);
   }
   StateWriter writer(bytes_);
   write_definition_of_world(writer, world_definition);
@@ -59,7 +59,7 @@ void Recorder::note_state(const WorldDefinition& world_definition, std::span<con
   write(RecordKind::State, writer);
 }
 
-void Recorder::note_step(double dt, bool forced, bool everything, const ContactRules& rules) {
+void Recorder::record_step(double dt, bool forced, bool everything, const ContactRules& rules) {
   ++steps_;
   StateWriter writer(bytes_);
   writer.value(dt);
@@ -71,36 +71,36 @@ void Recorder::note_step(double dt, bool forced, bool everything, const ContactR
   file_.flush();
 }
 
-void Recorder::note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
-                           const Eigen::Ref<const Eigen::Matrix3Xd>& torques) {
+void Recorder::record_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                             const Eigen::Ref<const Eigen::Matrix3Xd>& torques) {
   forces_.clear();
   for (Eigen::Index body = 0; body < forces.cols(); ++body) {
     if (forces.col(body).isZero(0) && torques.col(body).isZero(0)) continue;
     forces_.push_back({static_cast<std::uint32_t>(body), forces.col(body), torques.col(body)});
   }
-  note_forces(true);
+  record_forces(true);
 }
 
-void Recorder::note_no_forces() {
+void Recorder::record_no_forces() {
   forces_.clear();
-  note_forces(false);
+  record_forces(false);
 }
 
-void Recorder::note_forces(bool given) {
+void Recorder::record_forces(bool given) {
   StateWriter writer(bytes_);
   visit_forces(writer, given, forces_);
   write(RecordKind::Forces, writer);
   file_.flush();
 }
 
-void Recorder::note_answers(std::uint32_t question, const ContactAnswers& answers) {
+void Recorder::record_answers(std::uint32_t question, const ContactAnswers& answers) {
   StateWriter writer(bytes_);
   visit_answers(writer, question, answers);
   write(RecordKind::ContactAnswers, writer);
   file_.flush();
 }
 
-void Recorder::note_hash(std::uint64_t hash) {
+void Recorder::record_hash(std::uint64_t hash) {
   StateWriter writer(bytes_);
   writer.value(hash);
   write(RecordKind::Hash, writer);
@@ -110,7 +110,7 @@ bool Recorder::wants_bodies(std::size_t count) const {
   return count <= options_.few_bodies || steps_ % options_.body_hash_interval == 0;
 }
 
-void Recorder::note_bodies(std::span<const RecordedBody> bodies) {
+void Recorder::record_bodies(std::span<const RecordedBody> bodies) {
   StateWriter writer(bytes_);
   visit_recorded_bodies(writer, bodies);
   write(RecordKind::Bodies, writer);

@@ -51,32 +51,33 @@ class Recorder {
     write(kind_of<Call>(), writer);
   }
   /// `kind` is the fingerprint() of what never changes of it.
-  void note_body(const CheckedBody& body, std::uint64_t kind);
+  void record_body(const CheckedBody& body, std::uint64_t kind);
   /// The body has become one of another kind.
-  void note_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind);
+  void record_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind);
   /// All of the world, as the recording begins or after it was restored.
-  void note_state(const WorldDefinition& world_definition, std::span<const std::byte> state);
+  void record_world_state(const WorldDefinition& world_definition, std::span<const std::byte> state);
   /// Ahead of a step, and in the file by then: should the step crash, the recording has all that leads there.
   /// A forced one is followed by what its law asked for, a record for each time, in the file as soon as it is known.
-  void note_step(double dt, bool forced, bool everything, const ContactRules& rules);
+  void record_step(double dt, bool forced, bool everything, const ContactRules& rules);
   /// 3 x bodies: N, N m.
-  void note_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
-  void note_no_forces();  ///< the law threw, and ended the step
+  void record_forces(const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                     const Eigen::Ref<const Eigen::Matrix3Xd>& torques);
+  void record_no_forces();  ///< the law threw, and ended the step
   /// Records the answer of a contact filter or modifier to the question of that number in the step, and flushes the
   /// file.
-  void note_answers(std::uint32_t question, const ContactAnswers& answers);
-  void note_hash(std::uint64_t hash);
+  void record_answers(std::uint32_t question, const ContactAnswers& answers);
+  void record_hash(std::uint64_t hash);
   /// True if bodies are to be hashed one by one after the step that was recorded last.
   bool wants_bodies(std::size_t count) const;
-  void note_bodies(std::span<const RecordedBody> bodies);
+  void record_bodies(std::span<const RecordedBody> bodies);
   /// Throws Error, naming `call`, if the file could not be written.
   void finish(const char* call) { file_.finish(call); }
 
  private:
   void write(RecordKind kind, const StateWriter& writer) { file_.write(kind, {bytes_.data(), writer.size()}); }
-  void note_geometry(const BodyConstants& constants);
+  void record_geometry(const BodyConstants& constants);
   std::uint32_t number_of_kind(const BodyConstants& constants, std::uint64_t kind);
-  void note_forces(bool given);
+  void record_forces(bool given);
 
   RecordingOptions options_;
   RecordingWriter file_;

@@ -23,13 +23,13 @@ void World::Impl::record(const std::string& path, const RecordingOptions& option
   }
   recorder = std::make_unique<Recorder>(path, options, arena.threads(), simd_of(*kernels));
   record_state();
-  recorder->note_hash(state_hash());
+  recorder->record_hash(state_hash());
 }
 
 void World::Impl::record_state() {
   std::vector<std::byte> state;
   const std::size_t size = save_state(state);
-  recorder->note_state(*world_definition(), {state.data(), size});
+  recorder->record_world_state(*world_definition(), {state.data(), size});
 }
 
 std::vector<RecordedBody> recorded_bodies(const Stores& world) {
@@ -43,12 +43,12 @@ std::vector<RecordedBody> recorded_bodies(const Stores& world) {
 }
 
 void World::Impl::record_result() {
-  recorder->note_hash(state_hash());
-  if (recorder->wants_bodies(stores.records.count)) recorder->note_bodies(recorded_bodies(stores));
+  recorder->record_hash(state_hash());
+  if (recorder->wants_bodies(stores.records.count)) recorder->record_bodies(recorded_bodies(stores));
 }
 
 void World::Impl::stop_recording(const char* call) {
-  recorder->note_bodies(recorded_bodies(stores));
+  recorder->record_bodies(recorded_bodies(stores));
   const std::unique_ptr<Recorder> stopped = std::move(recorder);
   stopped->finish(call);
 }

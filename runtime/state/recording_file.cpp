@@ -59,15 +59,15 @@ void RecordingWriter::write(RecordKind kind, std::span<const std::byte> content)
   tally_.count(header);
   stream_.write(reinterpret_cast<const char*>(&header), sizeof header);
   stream_.write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
-  note_error();
+  record_error();
 }
 
 void RecordingWriter::flush() {
   stream_.flush();
-  note_error();
+  record_error();
 }
 
-void RecordingWriter::note_error() {
+void RecordingWriter::record_error() {
   if (!stream_ && error_ == 0) error_ = errno != 0 ? errno : EIO;
 }
 
@@ -75,7 +75,7 @@ void RecordingWriter::finish(const char* call) {
   const RecordingEnd end = tally_.end();
   write(RecordKind::End, std::as_bytes(std::span(&end, 1)));
   stream_.close();
-  note_error();
+  record_error();
   std::error_code error;
   if (error_ == 0) fs::rename(partial_, path_, error);
   if (error_ == 0 && !error) return;

@@ -81,7 +81,7 @@ class RecordingWriter {
   void finish(const char* call);
 
  private:
-  void note_error();
+  void record_error();
 
   std::filesystem::path path_;
   std::filesystem::path partial_;

@@ -54,7 +54,7 @@ void restore_disabled(Stores& world, std::uint32_t body) {
   leave_broadphase(world, body);
 }
 
-void note_restored_bodies(Stores& world) {
+void update_restored_bodies(Stores& world) {
   world.contents = {};
   world.sleeping.asleep = 0;
   world.sleeping.changed.clear();

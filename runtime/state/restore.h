@@ -17,7 +17,7 @@ void restore_materials(Stores& world);
 void restore_quarantined(Stores& world, std::uint32_t body, Quarantine reason, std::int64_t step);
 void restore_disabled(Stores& world, std::uint32_t body);
 /// Poses, velocities, and who sleeps or is in quarantine are known: who may move, and all that goes by body.
-void note_restored_bodies(Stores& world);
+void update_restored_bodies(Stores& world);
 
 /// The definition as a state stores it. `bytes` holds the result.
 std::span<const std::byte> definition_bytes(const JointDef& def, std::vector<std::byte>& bytes);

@@ -71,7 +71,7 @@ void World::Impl::adopt(const std::shared_ptr<const WorldDefinition>& world_defi
     if (of_body[body].empty()) continue;
     colliders.first[body] = of_body[body].front();
     for (std::size_t i = 1; i < of_body[body].size(); ++i) colliders.next[of_body[body][i - 1]] = of_body[body][i];
-    note_size(stores, static_cast<std::uint32_t>(body));
+    update_size(stores, static_cast<std::uint32_t>(body));
   }
   world_definition_ = {.world_definition = world_definition, .known_as = nullptr, .version = stores.records.version};
   query_gate.note(stores.broadphase);
@@ -92,8 +92,8 @@ void World::Impl::read_state(std::span<const std::byte> state, bool from_file) {
   results.sensor_events.events.clear();
   results.joint_events.clear();
   results.sleep_events.clear();
-  results.selected_solves.clear();
-  results.unheld_islands.clear();
+  results.solver_choices.clear();
+  results.missed_targets.clear();
   results.captured = false;
   results.accelerations = {};
   results.contact_forces.clear();

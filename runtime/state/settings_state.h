@@ -14,8 +14,8 @@ void visit_target(Archive& archive, AnyTarget& target) {
   for (auto* error : {&target.penetration, &target.joint_gap, &target.residual, &target.motion}) {
     visit_optional(archive, *error, [&](auto& value) { archive.value(value); });
   }
-  archive.value(target.least_substeps);
-  archive.value(target.most_substeps);
+  archive.value(target.min_substeps);
+  archive.value(target.max_substeps);
 }
 
 template <typename Archive, typename AnySettings>

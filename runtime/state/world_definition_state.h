@@ -82,8 +82,8 @@ void visit_constants(Archive& archive, Constants& body) {
   auto count = static_cast<std::uint32_t>(body.colliders.size());
   archive.value(count);
   if constexpr (Archive::reads) {
-    constexpr std::uint32_t least_bytes = 100;
-    archive.check(count > 0 && count <= archive.left() / least_bytes, "a body with a wrong number of shapes");
+    constexpr std::uint32_t min_bytes = 100;
+    archive.check(count > 0 && count <= archive.left() / min_bytes, "a body with a wrong number of shapes");
     body.colliders.resize(count);
   }
   for (auto& collider : body.colliders) {

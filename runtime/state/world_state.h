@@ -51,18 +51,18 @@ void visit_finding(Archive& archive, solver::SolverSelection::Finding& finding) 
 template <typename Archive>
 void visit_history(Archive& archive, solver::SubstepControl::History& history) {
   archive.value(history.substeps);
-  archive.value(history.most);
+  archive.value(history.max);
   archive.value(history.asked);
   archive.value(history.needed);
   archive.value(history.looked_at);
   archive.value(history.hold);
   archive.value(history.unchanged);
   archive.value(history.lowered);
-  constexpr int most = 1024;
+  constexpr int max = 1024;
   const auto is_time = [](float time) { return time >= 0 && std::isfinite(time); };
-  archive.check(history.substeps <= most && history.most <= most && history.asked <= most &&
-                    history.needed <= solver::most_needed && is_time(history.looked_at) && is_time(history.hold) &&
-                    is_time(history.unchanged),
+  archive.check(history.substeps <= max && history.max <= max && history.asked <= max &&
+                    history.needed <= solver::max_needed_substeps && is_time(history.looked_at) &&
+                    is_time(history.hold) && is_time(history.unchanged),
                 "substeps of an island that can't be");
 }
 
@@ -315,7 +315,7 @@ class WorldState {
     if constexpr (!reads) {
       if (rolling != nullptr) {
         const bool counts =
-            solver::is_pressed(manifold) && std::any_of(rolling, rolling + 3, [](float x) { return x != 0; });
+            solver::has_impulse(manifold) && std::any_of(rolling, rolling + 3, [](float x) { return x != 0; });
         if (!counts) rolling = nullptr;
       }
     }
@@ -486,7 +486,7 @@ class WorldState {
         list.remember_pose(body, pose);
       }
     });
-    if constexpr (reads) note_restored_bodies(world_);
+    if constexpr (reads) update_restored_bodies(world_);
   }
 
   void visit_selection() {
@@ -711,7 +711,7 @@ class WorldState {
     {
       auto& [positions, orientations, velocities, angular_velocities, forces, torques, surfaces, turned, /**/ mobility,
              inverse_mass, gyroscopic, inertia, inverse_inertia, principal_axes, moments, locks, ball, round,
-             least_moment, gravity_scale, linear_damping, angular_damping, radius, joined] = world_.bodies;
+             min_moment, gravity_scale, linear_damping, angular_damping, radius, joined] = world_.bodies;
       static_cast<void>(positions);
     }
     {

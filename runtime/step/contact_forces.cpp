@@ -53,7 +53,7 @@ class PointForces {
   }
 
   bool are_any() const { return total_ > 0; }
-  bool is_pressed(std::size_t point) const { return manifold_.normal_impulse[point] != 0; }
+  bool has_impulse(std::size_t point) const { return manifold_.normal_impulse[point] != 0; }
   double normal(std::size_t point) const { return std::abs(manifold_.normal_impulse[point]) * per_impulse_; }
   Vector3 friction(std::size_t point) const { return vector3(manifold_.friction_impulse) * (normal(point) / total_); }
 
@@ -116,7 +116,7 @@ std::span<const ContactForce> contact_forces(Stores& world, const ContactPhase& 
     const ManifoldPlace place = place_of(world, contact, manifold);
     const PointForces of(world, manifold);
     for (std::size_t i = 0; i < contact.count; ++i) {
-      if (!of.is_pressed(i)) continue;
+      if (!of.has_impulse(i)) continue;
       forces.push_back({a, b, place.point(manifold, i), place.normal, of.normal(i), of.friction(i),
                         manifold.separation[i], contact.ids[i], world.colliders.child[contact.pair.first],
                         world.colliders.child[contact.pair.second]});
@@ -159,7 +159,7 @@ std::span<const PairForce> pair_forces(Stores& world, const ContactPhase& phase,
     const BodyId first = id_of(world, touching[pair].first), second = id_of(world, touching[pair].second);
     const Vector3 normal = normal_of(world, touching[pair].first, touching[pair].second, manifold);
     for (std::size_t i = 0; i < collision::max_points; ++i) {
-      if (!of.is_pressed(i)) continue;
+      if (!of.has_impulse(i)) continue;
       add(first, second, of.normal(i) * normal + of.friction(i), of.normal(i), manifold.separation[i]);
     }
   }
@@ -183,7 +183,7 @@ Wrench wrench_of(const Stores& world, std::uint32_t slot, bool second) {
                 .torque = per_impulse * manifold.torsional_impulse * place.normal};
   wrench.torque += arm.cross(wrench.force);
   for (std::size_t i = 0; i < contact.count; ++i) {
-    if (!of.is_pressed(i)) continue;
+    if (!of.has_impulse(i)) continue;
     const Vector3 force = of.normal(i) * place.normal;
     wrench.force += force;
     wrench.torque += (arm + place.point(manifold, i) - place.centre).cross(force);

@@ -26,7 +26,7 @@ collision::ContactUpdateInput contact_input(const Stores& world, const collision
 }
 
 // How far bodies get in this step at the speeds they have.
-void note_reaches(Stores& world, jobs::Arena& arena) {
+void write_reaches(Stores& world, jobs::Arena& arena) {
   constexpr std::size_t grain = 1024;
   const std::span<const std::uint32_t> active = world.active.in_order();
   if (active.empty()) return;
@@ -270,7 +270,7 @@ void ContactPhase::mix_surfaces(Stores& world) {
 
 void ContactPhase::update(Stores& world, const StepContext& step) {
   undo_modified(world);
-  note_reaches(world, step.arena);
+  write_reaches(world, step.arena);
   world.cache.rises.resize(world.contents.surfaces > 0 ? world.cache.contacts.size() : 0);
   collision::update_contacts(world.cache, world.broadphase, contact_input(world, step.narrowphase_kernels), step.arena,
                              update_);

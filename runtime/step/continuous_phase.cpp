@@ -67,11 +67,11 @@ FastBody ContinuousPhase::fast_body(const Stores& world, const IslandPhase& isla
           .bulge = radius * (1 - std::min(1.0, std::abs(change.w()))),
           .stops = world.records.dynamic[body] != 0,
           .always_swept = world.records.continuous[body] != 0,
-          .pressed = std::ranges::binary_search(pressed_, body, {}, &Pressed::body),
+          .on_surface = std::ranges::binary_search(on_surfaces_, body, {}, &OnSurface::body),
           .aside_limit = assembly == FastBody::alone ? alone_limit : world.aabbs.bounds.margin_limit[body]};
 }
 
-void ContinuousPhase::watch_pressed(Stores& world, const ContactPhase& contacts) {
+void ContinuousPhase::watch_surface_contacts(Stores& world, const ContactPhase& contacts) {
   if (world.contents.surfaces == 0) return;
   const auto is_surface = [&](std::uint32_t body) {
     return !world.records.dynamic[body] &&
@@ -88,17 +88,17 @@ void ContinuousPhase::watch_pressed(Stores& world, const ContactPhase& contacts)
     double& sweep_distance = world.aabbs.bounds.sweep_distance[body];
     if (!(way < std::max<double>(sweep_distance, collision::approach_share * size))) continue;
     if (sweep_distance == std::numeric_limits<double>::infinity()) continue;
-    pressed_.push_back({body, sweep_distance});
+    on_surfaces_.push_back({body, sweep_distance});
     sweep_distance = std::min(sweep_distance, std::max(way, 0.0));
   }
 }
 
 void ContinuousPhase::unwatch(Stores& world) {
   // The last that is put back of a body is the first that was noted.
-  for (auto pressed = pressed_.rbegin(); pressed != pressed_.rend(); ++pressed) {
-    world.aabbs.bounds.sweep_distance[pressed->body] = pressed->sweep_distance;
+  for (auto on_surface = on_surfaces_.rbegin(); on_surface != on_surfaces_.rend(); ++on_surface) {
+    world.aabbs.bounds.sweep_distance[on_surface->body] = on_surface->sweep_distance;
   }
-  std::ranges::sort(pressed_, {}, &Pressed::body);
+  std::ranges::sort(on_surfaces_, {}, &OnSurface::body);
 }
 
 void ContinuousPhase::list_fast_bodies(const Stores& world, const IslandPhase& islands, solver::FastBodies& moved) {
@@ -106,7 +106,7 @@ void ContinuousPhase::list_fast_bodies(const Stores& world, const IslandPhase& i
   moved.for_each([&](const solver::MovedBodies& of_worker) {
     for (const solver::MovedBody& body : of_worker.fast) {
       const FastBody fast = fast_body(world, islands, body);
-      if (fast.assembly != FastBody::alone && !fast.always_swept && !fast.pressed) {
+      if (fast.assembly != FastBody::alone && !fast.always_swept && !fast.on_surface) {
         // Up to there nothing gets to its core that the speculative margin hasn't seen.
         const double far =
             world.aabbs.bounds.margin_limit[fast.body] * (1 + collision::core_share / collision::approach_share);
@@ -178,7 +178,7 @@ void ContinuousPhase::sweep(Stores& world, const StepContext& step, const Contac
                             const IslandPhase& islands, solver::FastBodies& moved) {
   unwatch(world);
   list_fast_bodies(world, islands, moved);
-  pressed_.clear();
+  on_surfaces_.clear();
   // Kinematic bodies alone meet nobody who would be stopped.
   if (std::ranges::none_of(fast_in_order_, &FastBody::stops)) return;
   const collision::BodyMotions now = motions(world);

@@ -26,14 +26,14 @@ class ContinuousPhase {
 
   /// Ahead of the solve: bodies that touch a mesh or height field count as fast if they move as far as their cores are
   /// from it. Contacts give way to what presses on them, and behind its front a surface pushes nobody.
-  void watch_pressed(Stores& world, const ContactPhase& contacts);
+  void watch_surface_contacts(Stores& world, const ContactPhase& contacts);
   /// `moved` are bodies that moved far by the solve, by worker; it is empty after this.
   void sweep(Stores& world, const StepContext& step, const ContactPhase& contacts, const IslandPhase& islands,
              solver::FastBodies& moved);
 
  private:
   // A body that was watched, and what its motion was held against before.
-  struct Pressed {
+  struct OnSurface {
     std::uint32_t body;
     double sweep_distance;
   };
@@ -47,7 +47,7 @@ class ContinuousPhase {
 
   std::vector<collision::FastBody> fast_in_order_;  // of assemblies, then of bodies
   std::vector<collision::FastBody> carried_;        // likewise: not fast, but joined to what stops
-  std::vector<Pressed> pressed_;                    // in order of bodies, once the solve is done
+  std::vector<OnSurface> on_surfaces_;              // in order of bodies, once the solve is done
   collision::ContinuousCollision continuous_;
 };
 

@@ -70,12 +70,12 @@ ContactHit hit_of(const Stores& world, std::uint32_t slot, const ContactPushes& 
 
 // Sums up all hits of two bodies.
 void add_to_event(std::span<const ContactHit> hits, ContactEvent& event) {
-  double most = -1;
+  double max = -1;
   for (const ContactHit& hit : hits) {
     event.impulse += hit.impulse;
     event.approach_speed = std::max(event.approach_speed, hit.approach);
-    if (hit.impulse <= most) continue;
-    most = hit.impulse;
+    if (hit.impulse <= max) continue;
+    max = hit.impulse;
     event.child_a = hit.child_a;
     event.child_b = hit.child_b;
   }
@@ -124,18 +124,18 @@ ContactEvent touch(const Stores& world, const std::pair<BodyId, BodyId>& pair, s
 // N: the least that a contact of two bodies has to carry for an event of its going on; infinite where nobody asks.
 double event_force(const Stores& world, BodyId a, BodyId b) {
   constexpr double never = std::numeric_limits<double>::infinity();
-  double least = world.settings.contact_event_force.value_or(never);
-  if (world.contents.with_event_force == 0) return least;
+  double min = world.settings.contact_event_force.value_or(never);
+  if (world.contents.with_event_force == 0) return min;
   for (const BodyId id : {a, b}) {
-    least = std::min(least, world.records.constants[id.index]->contact_event_force.value_or(never));
+    min = std::min(min, world.records.constants[id.index]->contact_event_force.value_or(never));
   }
-  return least;
+  return min;
 }
 
 // Bodies may have several contacts with each other, so what counts is the list of bodies that touch. Of two bodies all
 // contacts are idle or none is, and idle ones touch as they did.
-void note_events(Stores& world, ContactEvents& events, const ContactPushes& pushes, std::vector<ContactHit>& hits,
-                 bool islands_rebuilt, const StepContext& step) {
+void record_events(Stores& world, ContactEvents& events, const ContactPushes& pushes, std::vector<ContactHit>& hits,
+                   bool islands_rebuilt, const StepContext& step) {
   events.events.clear();
   // Nobody touched in the last step who could stop in this.
   if (events.reported && !islands_rebuilt && events.now.empty() && world.cache.order().empty()) return;
@@ -186,12 +186,12 @@ void note_events(Stores& world, ContactEvents& events, const ContactPushes& push
     return touch(world, pair, before_end, pushes, substep);
   };
   const auto go_on = [&](const std::pair<BodyId, BodyId>& pair) {
-    const double least = event_force(world, pair.first, pair.second);
-    if (std::isinf(least) || is_idle(pair)) return;
+    const double min = event_force(world, pair.first, pair.second);
+    if (std::isinf(min) || is_idle(pair)) return;
     ContactEvent event = touch_now(pair);
     event.began = false;
     event.persists = true;
-    if (event.impulse >= least * substep * world.settings.substeps) events.events.push_back(event);
+    if (event.impulse >= min * substep * world.settings.substeps) events.events.push_back(event);
   };
   auto before = events.before.begin();
   auto now = events.touched.begin();
@@ -278,7 +278,7 @@ void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, 
   }
 }
 
-void note_sleep_events(Stores& world) {
+void record_sleep_events(Stores& world) {
   std::vector<SleepEvent>& events = world.results.sleep_events;
   events.clear();
   for (const std::uint32_t body : world.sleeping.news()) {
@@ -287,22 +287,22 @@ void note_sleep_events(Stores& world) {
   world.sleeping.mark_all_reported();
 }
 
-void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
-                         bool islands_rebuilt, const StepContext& step) {
+void record_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
+                           bool islands_rebuilt, const StepContext& step) {
   const Settings& settings = world.settings;
   StepResults& results = world.results;
   if (settings.contact_events) {
-    note_events(world, results.contact_events, pushes, hits, islands_rebuilt, step);
+    record_events(world, results.contact_events, pushes, hits, islands_rebuilt, step);
   } else {
     results.contact_events.events.clear();
-    if (settings.run_everything) note_events(world, results.unasked_events, pushes, hits, islands_rebuilt, step);
+    if (settings.run_everything) record_events(world, results.unasked_events, pushes, hits, islands_rebuilt, step);
   }
   results.contact_events.reported = settings.contact_events;
   results.unasked_events.reported = settings.run_everything && !settings.contact_events;
 }
 
-void note_joint_events(Stores& world, std::span<const solver::JointLink> acting,
-                       std::span<const QuarantineFault> broken) {
+void record_joint_events(Stores& world, std::span<const solver::JointLink> acting,
+                         std::span<const QuarantineFault> broken) {
   const auto is_broken = [&](std::uint32_t body) {
     return std::any_of(broken.begin(), broken.end(),
                        [body](const QuarantineFault& fault) { return fault.first == body; });

@@ -31,12 +31,12 @@ void keep_velocities(const Stores& world, std::vector<BodyVelocity>& velocities)
 void add_hits(const Stores& world, const ContactPushes& pushes, bool ends_step, std::vector<ContactHit>& hits);
 /// `hits`: what has touched within the step, however it ended; `pushes` are those of its last substep. Sorts the hits.
 /// Tells which bodies fell asleep or woke since it last did.
-void note_sleep_events(Stores& world);
-void note_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
-                         bool islands_rebuilt, const StepContext& step);
+void record_sleep_events(Stores& world);
+void record_contact_events(Stores& world, const ContactPushes& pushes, std::vector<ContactHit>& hits,
+                           bool islands_rebuilt, const StepContext& step);
 /// Events of joints that act on awake bodies: a joint breaks, or reaches or leaves an end of its range. Asleep bodies
 /// have none, since a body that a motor moves stays awake. Joints of bodies that the solve broke give no events.
-void note_joint_events(Stores& world, std::span<const solver::JointLink> acting,
-                       std::span<const QuarantineFault> broken);
+void record_joint_events(Stores& world, std::span<const solver::JointLink> acting,
+                         std::span<const QuarantineFault> broken);
 
 }  // namespace atl

@@ -95,8 +95,8 @@ bool is_built(Feature feature) {
 
 const char* feature_name(Feature feature) { return words[static_cast<std::size_t>(feature)].name; }
 
-void note_features(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
-                   StepReport& report) {
+void report_features(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
+                     StepReport& report) {
   solver::ContactWork work;
   std::int64_t surfaces = 0, gyroscopic = 0, locked = 0, early_ends = 0;
   for (const solver::GroupReport& group : pipeline.solve().group_reports()) {
@@ -113,7 +113,7 @@ void note_features(const Stores& world, const StepPipeline& pipeline, const Cont
     report.features[static_cast<std::size_t>(feature)] = {of.name,         run,     run ? of.why_run : of.why_not,
                                                           run ? items : 0, of.unit, run ? ms : 0};
   };
-  const auto note_items = [&note](Feature feature, std::int64_t items, double ms = 0) {
+  const auto report_items = [&note](Feature feature, std::int64_t items, double ms = 0) {
     note(feature, items > 0, items, ms);
   };
 
@@ -121,47 +121,46 @@ void note_features(const Stores& world, const StepPipeline& pipeline, const Cont
     report.features[static_cast<std::size_t>(feature)].why = why;
   };
 
-  note_items(Feature::Broadphase, counts.pairs, phase_ms(Phase::FindPairs));
-  note_items(Feature::Narrowphase, counts.recomputed_manifolds, phase_ms(Phase::UpdateContacts));
-  note_items(Feature::RecycledManifolds, counts.recycled_manifolds);
-  note_items(Feature::ContactFilter, counts.filtered_pairs);
+  report_items(Feature::Broadphase, counts.pairs, phase_ms(Phase::FindPairs));
+  report_items(Feature::Narrowphase, counts.recomputed_manifolds, phase_ms(Phase::UpdateContacts));
+  report_items(Feature::RecycledManifolds, counts.recycled_manifolds);
+  report_items(Feature::ContactFilter, counts.filtered_pairs);
   if (rules.filters() && counts.filtered_pairs == 0) explain(Feature::ContactFilter, "no pair is new to the filter");
-  note_items(Feature::ContactModifier, counts.asked_contacts);
+  report_items(Feature::ContactModifier, counts.asked_contacts);
   if (rules.modifies() && counts.asked_contacts == 0) explain(Feature::ContactModifier, "nothing touches");
-  note_items(Feature::ContactSolver, counts.contacts, phase_ms(Phase::SolveIslands));
-  note_items(Feature::SeveralPoints, work.several_points);
-  note_items(Feature::TwoMovableBodies, work.two_movable);
-  note_items(Feature::Friction, work.friction);
-  note_items(Feature::RollingAndBelts, surfaces);
-  note_items(Feature::Restitution, work.bounces);
-  note_items(Feature::WarmStarting, world.settings.warm_starting ? counts.contacts : 0);
+  report_items(Feature::ContactSolver, counts.contacts, phase_ms(Phase::SolveIslands));
+  report_items(Feature::SeveralPoints, work.several_points);
+  report_items(Feature::TwoMovableBodies, work.two_movable);
+  report_items(Feature::Friction, work.friction);
+  report_items(Feature::RollingAndBelts, surfaces);
+  report_items(Feature::Restitution, work.bounces);
+  report_items(Feature::WarmStarting, world.settings.warm_starting ? counts.contacts : 0);
   const bool soft = world.settings.stabilisation == Stabilisation::Soft;
-  note_items(Feature::Relaxation, soft && world.settings.relax_iterations > 0 ? work.contacts : 0);
-  note_items(Feature::SplitImpulses, world.settings.stabilisation == Stabilisation::SplitImpulse ? work.contacts : 0);
-  note_items(Feature::EarlyEnd, early_ends);
+  report_items(Feature::Relaxation, soft && world.settings.relax_iterations > 0 ? work.contacts : 0);
+  report_items(Feature::SplitImpulses, world.settings.stabilisation == Stabilisation::SplitImpulse ? work.contacts : 0);
+  report_items(Feature::EarlyEnd, early_ends);
   double direct_ms = 0, refined_ms = 0;
-  for (const SelectedSolve& island : world.results.selected_solves)
-    (island.direct ? direct_ms : refined_ms) += island.ms;
-  note_items(Feature::DirectContacts, counts.direct_islands, direct_ms);
-  note_items(Feature::RefinedSubsteps, counts.refined_islands, refined_ms);
-  note_items(Feature::ErrorTarget, world.settings.target.is_set() ? counts.islands : 0);
-  note_items(Feature::JointSolver, counts.joints - counts.direct_joints);
-  note_items(Feature::DirectJoints, counts.direct_joints);
+  for (const SolverChoice& island : world.results.solver_choices) (island.direct ? direct_ms : refined_ms) += island.ms;
+  report_items(Feature::DirectContacts, counts.direct_islands, direct_ms);
+  report_items(Feature::RefinedSubsteps, counts.refined_islands, refined_ms);
+  report_items(Feature::ErrorTarget, world.settings.target.is_set() ? counts.islands : 0);
+  report_items(Feature::JointSolver, counts.joints - counts.direct_joints);
+  report_items(Feature::DirectJoints, counts.direct_joints);
   if (counts.joints == 0) {
     const char* why = world.joints.count == 0 ? "there are no joints" : "no joint acts on a body that is awake";
     for (const Feature feature : {Feature::JointSolver, Feature::DirectJoints}) explain(feature, why);
   }
-  note_items(Feature::MotionLocks, locked);
-  note_items(Feature::GyroscopicTorque, gyroscopic);
-  note_items(Feature::FreeFlight, static_cast<std::int64_t>(pipeline.islands().islands().free_bodies().size()));
-  note_items(Feature::KinematicBodies, static_cast<std::int64_t>(world.contents.kinematic));
-  note_items(Feature::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
+  report_items(Feature::MotionLocks, locked);
+  report_items(Feature::GyroscopicTorque, gyroscopic);
+  report_items(Feature::FreeFlight, static_cast<std::int64_t>(pipeline.islands().islands().free_bodies().size()));
+  report_items(Feature::KinematicBodies, static_cast<std::int64_t>(world.contents.kinematic));
+  report_items(Feature::ContinuousCollision, counts.swept, phase_ms(Phase::SweepFastBodies));
   note(Feature::Sleeping, world.settings.sleeping, counts.active_bodies, phase_ms(Phase::Finish));
   const bool events = finds_contact_events(world.settings);
   const ContactEvents& events_of_step =
       world.settings.contact_events ? world.results.contact_events : world.results.unasked_events;
   note(Feature::ContactEvents, events, static_cast<std::int64_t>(events_of_step.events.size()));
-  note_items(Feature::Sensors, static_cast<std::int64_t>(world.contents.sensors));
+  report_items(Feature::Sensors, static_cast<std::int64_t>(world.contents.sensors));
   note(Feature::ContactProblem, world.settings.keep_contact_problem || world.settings.run_everything, counts.contacts);
   note(Feature::Recording, records, 1);
   for (std::size_t i = 0; i < feature_count; ++i) {

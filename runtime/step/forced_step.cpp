@@ -108,9 +108,9 @@ void ForcedStep::record([[maybe_unused]] bool given) {
   if constexpr (with_recording) {
     if (!impl_.recorder) return;
     if (given) {
-      impl_.recorder->note_forces(now_.forces(), now_.torques());
+      impl_.recorder->record_forces(now_.forces(), now_.torques());
     } else {
-      impl_.recorder->note_no_forces();
+      impl_.recorder->record_no_forces();
     }
   }
 }

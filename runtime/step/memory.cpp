@@ -29,9 +29,9 @@ void for_each_use(const Stores& world, const StepPipeline& pipeline, const Visit
   visit("islands", std::tie(pipeline.islands()), touching, "contacts");
   visit("contact_solver", solve.group_arrays(), touching, "contacts");
   visit("direct_contacts", solve.direct_arrays(), solve.direct_count(), "islands");
-  visit("overload_watch", std::tuple_cat(std::tie(world.selection, results.selected_solves), solve.selection_arrays()),
+  visit("overload_watch", std::tuple_cat(std::tie(world.selection, results.solver_choices), solve.selection_arrays()),
         bodies, "bodies");
-  visit("error_target", std::tie(world.control, results.unheld_islands), bodies, "bodies");
+  visit("error_target", std::tie(world.control, results.missed_targets), bodies, "bodies");
   visit("joints", std::tuple_cat(std::tie(world.joints, results.joint_events), pipeline.islands().joint_arrays()),
         world.joints.count, "joints");
   visit("contact_events",

@@ -19,7 +19,7 @@
 namespace atl {
 namespace {
 
-void note_quarantined(std::span<const QuarantineFault> faults, StepReport& report) {
+void report_quarantined(std::span<const QuarantineFault> faults, StepReport& report) {
   report.quarantined += static_cast<std::int64_t>(faults.size());
   for (const auto& [body, reason] : faults) {
     const auto index = static_cast<std::int64_t>(body);
@@ -61,9 +61,9 @@ void keep_carried_awake(Stores& world, const ContactPhase& contacts) {
 }
 
 void limit_speeds(Stores& world) {
-  const auto limit = [](auto velocity, const std::optional<double>& most) {
+  const auto limit = [](auto velocity, const std::optional<double>& max) {
     const double speed = velocity.norm();
-    if (most && speed > *most) velocity *= *most / speed;
+    if (max && speed > *max) velocity *= *max / speed;
   };
   for (const std::uint32_t body : world.active.in_order()) {
     const BodyConstants& constants = *world.records.constants[body];
@@ -108,7 +108,7 @@ void StepPipeline::run(Stores& world, const StepContext& step) {
 }
 
 void StepPipeline::plan(Stores& world, const StepContext& step) {
-  note_quarantined(quarantine_suspects(world), step.report);
+  report_quarantined(quarantine_suspects(world), step.report);
   update_active_bodies(world);
   if (world.contents.with_speed_limit > 0) limit_speeds(world);
 }
@@ -120,11 +120,11 @@ void StepPipeline::build_islands(Stores& world, const StepContext& step) {
 }
 
 void StepPipeline::solve_islands(Stores& world, const StepContext& step, StepMemory& memory) {
-  if constexpr (with_continuous) memory.continuous.watch_pressed(world, contacts_);
+  if constexpr (with_continuous) memory.continuous.watch_surface_contacts(world, contacts_);
   if (finds_contact_events(world.settings)) keep_velocities(world, velocities_);
   solve_.solve(world, step, contacts_.added_slips(), islands_, memory.moved);
   add_hits(world, {solve_.pushed(), velocities_}, step.ends_step, hits_);
-  if (world.settings.target.is_set()) solve_.note_errors(world, step, contacts_.touching(), islands_);
+  if (world.settings.target.is_set()) solve_.record_errors(world, step, contacts_.touching(), islands_);
 }
 
 void StepPipeline::follow_fast_bodies(Stores& world, const StepContext& step, StepMemory& memory) {
@@ -138,16 +138,16 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   clear_forces(world);
   rebuilt_ |= islands_.rebuilt();
   if (step.ends_step) {
-    note_contact_events(world, {solve_.pushed(), velocities_}, hits_, std::exchange(rebuilt_, false), step);
-    note_sensor_events(world, step.arena);
+    record_contact_events(world, {solve_.pushed(), velocities_}, hits_, std::exchange(rebuilt_, false), step);
+    record_sensor_events(world, step.arena);
   }
-  if (with_joints && world.joints.size() > 0) note_joint_events(world, islands_.acting_joints(), broken_);
+  if (with_joints && world.joints.size() > 0) record_joint_events(world, islands_.acting_joints(), broken_);
   if (world.settings.sleeping) {
     if (with_surfaces && !world.bodies.surfaces.empty()) keep_belts_awake(world, contacts_.touching());
     keep_carried_awake(world, contacts_);
     world.sleeping.update(islands_.islands(), world.bodies, world.settings, world.clock.dt);
   }
-  if (step.ends_step) note_sleep_events(world);
+  if (step.ends_step) record_sleep_events(world);
   StepCounts& counts = step.report.counts;
   if (step.rules != nullptr) {
     counts.filtered_pairs = step.rules->asked_pairs();
@@ -163,7 +163,7 @@ void StepPipeline::finish(Stores& world, const StepContext& step) {
   // Now that nothing asks for the step's islands any more.
   for (const auto& [body, reason] : broken_) put_in_quarantine(world, body, reason);
   if (!broken_.empty()) world.results.captured = false;
-  note_quarantined(broken_, step.report);
+  report_quarantined(broken_, step.report);
   counts.asleep = world.sleeping.asleep;
   if constexpr (jobs::with_asserts) validate(world);
 }

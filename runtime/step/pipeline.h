@@ -57,7 +57,7 @@ class StepPipeline {
 };
 
 /// Fills step.report with the features that the step ran, and why: the plan as data.
-void note_features(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
-                   StepReport& report);
+void report_features(const Stores& world, const StepPipeline& pipeline, const ContactRules& rules, bool records,
+                     StepReport& report);
 
 }  // namespace atl

@@ -186,7 +186,7 @@ void begin_sensing(Stores& world) {
   events.start_orientations.assign(world.bodies.orientations.begin(), world.bodies.orientations.end());
 }
 
-void note_sensor_events(Stores& world, jobs::Arena& arena) {
+void record_sensor_events(Stores& world, jobs::Arena& arena) {
   SensorEvents& events = world.results.sensor_events;
   events.events.clear();
   if (world.contents.sensors == 0 && events.within.empty()) return;

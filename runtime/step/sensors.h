@@ -12,6 +12,6 @@ namespace atl {
 /// Keeps the poses with which a step begins, for continuous sensors.
 void begin_sensing(Stores& world);
 /// Asks the broadphase, once a sensor: bodies don't notice.
-void note_sensor_events(Stores& world, jobs::Arena& arena);
+void record_sensor_events(Stores& world, jobs::Arena& arena);
 
 }  // namespace atl

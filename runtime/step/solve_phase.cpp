@@ -30,7 +30,7 @@ solver::SolverSettings settings_now(const Stores& world, int substeps) {
   solver::SolverSettings how = solver_settings(world.settings);
   how.substeps = substeps;
   if (!world.settings.restitution_threshold) {
-    how.restitution_threshold = solver::tuning::least_bounce * world.gravity.norm() * world.clock.dt / substeps;
+    how.restitution_threshold = solver::tuning::min_bounce * world.gravity.norm() * world.clock.dt / substeps;
   }
   return how;
 }
@@ -161,28 +161,28 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
     changed |= choose_substeps(world, step, islands);
   } else if (!substeps_.empty() || !world.control.is_empty()) {
     world.control.forget_all();
-    world.results.unheld_islands.clear();
+    world.results.missed_targets.clear();
     substeps_.clear();
     changed = true;
   }
   if (!changed && !islands.rebuilt()) return;
   modes_.assign(modes.begin(), modes.end());
-  choose_company(world, islands.islands());
-  solver::pack_groups(islands.islands(), islands.one_each(), company_, groups_);
+  choose_group_keys(world, islands.islands());
+  solver::pack_groups(islands.islands(), islands.one_each(), group_keys_, groups_);
   if constexpr (jobs::with_asserts) check_groups(groups_, islands.islands().count(), modes_, substeps_);
   // Which islands are large follows from the islands alone.
   regrouped_ |= islands.rebuilt();
 }
 
 // In a substep in which a swept joint bounces, its whole group is swept more often, so an island that has one is alone.
-void SolvePhase::choose_company(const Stores& world, const solver::Islands& islands) {
-  company_.assign(islands.count(), 0);
-  std::copy(substeps_.begin(), substeps_.end(), company_.begin());
+void SolvePhase::choose_group_keys(const Stores& world, const solver::Islands& islands) {
+  group_keys_.assign(islands.count(), 0);
+  std::copy(substeps_.begin(), substeps_.end(), group_keys_.begin());
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const bool bounces = std::ranges::any_of(islands.joints(island, island + 1), [&](const solver::JointLink& link) {
       return world.joints.joints[link.joint].bounces;
     });
-    if (bounces || (!modes_.empty() && modes_[island] != SolveMode::Sweep)) company_[island] = solver::Islands::none;
+    if (bounces || (!modes_.empty() && modes_[island] != SolveMode::Sweep)) group_keys_[island] = solver::Islands::none;
   }
 }
 
@@ -217,7 +217,7 @@ namespace {
 
 // Writes rolling and torsional friction of each contact, the larger of its two materials' values, and how friction
 // depends on its direction.
-void note_resistance(Stores& world, const solver::Islands& islands) {
+void write_resistance(Stores& world, const solver::Islands& islands) {
   world.surface_contacts.resize(world.cache.manifolds.size());
   for (const solver::TouchingPair& pair : islands.contacts(0, islands.count())) {
     const collision::Contact& of = world.cache.contacts[pair.slot];
@@ -226,7 +226,7 @@ void note_resistance(Stores& world, const solver::Islands& islands) {
     solver::SurfaceContact& contact = world.surface_contacts[pair.slot];
     contact.rolling_friction = static_cast<float>(std::max(a.rolling_friction, b.rolling_friction));
     contact.torsional_friction = static_cast<float>(std::max(a.torsional_friction, b.torsional_friction));
-    note_grip(world, world.cache.contacts[pair.slot], a, b, world.cache.manifolds[pair.slot], contact);
+    record_grip(world, world.cache.contacts[pair.slot], a, b, world.cache.manifolds[pair.slot], contact);
   }
 }
 
@@ -243,7 +243,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
   const bool surfaces =
       with_surfaces && (world.settings.run_everything || !world.bodies.surfaces.empty() || !world.cache.rises.empty() ||
                         added_slips != nullptr || !world.surface_contacts.empty());
-  if (surfaces) note_resistance(world, islands.islands());
+  if (surfaces) write_resistance(world, islands.islands());
   const auto input_of = [&](const solver::IslandGroup& group) {
     return solver::SolveInput{.islands = islands.islands(),
                               .bodies = world.bodies,
@@ -286,7 +286,7 @@ void SolvePhase::solve_groups(Stores& world, const StepContext& step, const solv
     jobs::WorkerTeam team(step.arena);
     group_reports_[g] = large_solvers_[large++]->solve(input_of(groups_[g]), groups_[g], team, colours);
   }
-  note_modes(world, islands.islands(), step.report.counts);
+  record_modes(world, islands.islands(), step.report.counts);
 }
 
 // One for each group of contacts that is to be solved at once, which keeps its order of elimination.
@@ -342,31 +342,31 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
 }
 
 // Islands that were not swept as the settings say; those that could not be solved at once are swept for some time.
-void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts) {
+void SolvePhase::record_modes(Stores& world, const solver::Islands& islands, StepCounts& counts) {
   if constexpr (!solves_directly) return;
   failed_.clear();
-  world.results.selected_solves.clear();
+  world.results.solver_choices.clear();
   const auto describe = [&](std::size_t island, const char* why) {
     const std::span<const std::uint32_t> members = islands.bodies(island, island + 1);
-    return SelectedSolve{.lowest = {members.front(), world.records.generation[members.front()]},
-                         .bodies = members.size(),
-                         .contacts = islands.contact_count(island),
-                         .why = why};
+    return SolverChoice{.lowest = {members.front(), world.records.generation[members.front()]},
+                        .bodies = members.size(),
+                        .contacts = islands.contact_count(island),
+                        .why = why};
   };
   const bool all = world.settings.contact_solver == ContactSolver::Direct;
   constexpr const char* asked_for = "the contact solver is to be direct";
   for (const auto& [place, why_not] : world.selection.refused()) {
-    SelectedSolve island = describe(place, asked_for);
+    SolverChoice island = describe(place, asked_for);
     island.why_not = why_not;
     ++counts.refused_islands;
-    world.results.selected_solves.push_back(island);
+    world.results.solver_choices.push_back(island);
   }
   for (std::size_t g = 0; g < groups_.size() && !modes_.empty(); ++g) {
     const solver::IslandGroup& group = groups_[g];
     const SolveMode mode = mode_of(group);
     if (mode == SolveMode::Sweep) continue;
     if (islands.contact_count(group.begin) == 0) continue;
-    SelectedSolve island = describe(group.begin, all ? asked_for : world.selection.why(group.begin));
+    SolverChoice island = describe(group.begin, all ? asked_for : world.selection.why(group.begin));
     const auto& phase_ms = group_reports_[g].phase_ms;
     island.ms = std::accumulate(phase_ms.begin(), phase_ms.end(), 0.0);
     if (mode == SolveMode::Direct) {
@@ -386,15 +386,15 @@ void SolvePhase::note_modes(Stores& world, const solver::Islands& islands, StepC
     counts.direct_islands += island.direct;
     counts.refined_islands += mode != SolveMode::Direct;
     counts.newton_iterations += island.iterations;
-    world.results.selected_solves.push_back(island);
+    world.results.solver_choices.push_back(island);
   }
-  if (selects_solvers(world.settings)) world.selection.note_failed(failed_, world.sleeping.awake, world.clock.dt);
+  if (selects_solvers(world.settings)) world.selection.record_failed(failed_, world.sleeping.awake, world.clock.dt);
 }
 
 namespace {
 
-const char* why_unheld(const solver::SubstepControl::Island& island, const ErrorTarget& target, TargetError error) {
-  if (island.needed > island.substeps && island.substeps >= target.most_substeps) {
+const char* why_missed(const solver::SubstepControl::Island& island, const ErrorTarget& target, TargetError error) {
+  if (island.needed > island.substeps && island.substeps >= target.max_substeps) {
     return "it has the most substeps that it may get";
   }
   switch (error) {
@@ -414,8 +414,8 @@ const char* why_unheld(const solver::SubstepControl::Island& island, const Error
 
 }  // namespace
 
-void SolvePhase::note_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
-                             const IslandPhase& phase) {
+void SolvePhase::record_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
+                               const IslandPhase& phase) {
   const solver::Islands& islands = phase.islands();
   std::vector<double> residuals;
   if (measures_residual(world)) {
@@ -428,24 +428,24 @@ void SolvePhase::note_errors(Stores& world, const StepContext& step, std::span<c
   ATL_ASSERT(controlled.size() == islands.count() && substeps_.size() == islands.count(), controlled.size(),
              substeps_.size(), islands.count());
   for (std::size_t i = 0; i < controlled.size(); ++i) {
-    counts.most_substeps = std::max<std::int64_t>(counts.most_substeps, controlled[i].substeps);
+    counts.max_substeps = std::max<std::int64_t>(counts.max_substeps, controlled[i].substeps);
     counts.island_bodies += static_cast<std::int64_t>(islands.body_count(i));
     counts.body_substeps += static_cast<std::int64_t>(islands.body_count(i) * substeps_[i]);
   }
-  world.results.unheld_islands.clear();
+  world.results.missed_targets.clear();
   std::uint32_t before = solver::Islands::none;
   for (const solver::SubstepControl::Miss& miss : world.control.misses()) {
     const std::span<const std::uint32_t> members = islands.bodies(miss.island, miss.island + 1);
     const auto error = static_cast<TargetError>(miss.error);
-    world.results.unheld_islands.push_back({.lowest = {members.front(), world.records.generation[members.front()]},
+    world.results.missed_targets.push_back({.lowest = {members.front(), world.records.generation[members.front()]},
                                             .bodies = members.size(),
                                             .contacts = islands.contact_count(miss.island),
                                             .joints = islands.joint_count(miss.island),
                                             .error = error,
                                             .measured = miss.measured,
                                             .substeps = controlled[miss.island].substeps,
-                                            .why = why_unheld(controlled[miss.island], world.settings.target, error)});
-    counts.unheld_islands += miss.island != before;
+                                            .why = why_missed(controlled[miss.island], world.settings.target, error)});
+    counts.missed_targets += miss.island != before;
     before = miss.island;
   }
 }

@@ -32,8 +32,8 @@ class SolvePhase {
   void solve(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands,
              solver::FastBodies& moved);
   /// Errors of the step that count for the next one, and which islands have some beyond its target.
-  void note_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
-                   const IslandPhase& islands);
+  void record_errors(Stores& world, const StepContext& step, std::span<const solver::TouchingPair> touching,
+                     const IslandPhase& islands);
 
   std::span<const solver::IslandGroup> groups() const { return groups_; }
   std::span<const solver::GroupReport> group_reports() const { return group_reports_; }
@@ -46,7 +46,7 @@ class SolvePhase {
   auto group_arrays() const { return std::tie(groups_, group_reports_, large_solvers_); }
   auto direct_arrays() const { return std::tie(direct_.solvers, direct_.of_group, direct_.reports); }
   std::size_t direct_count() const { return direct_.solvers.size(); }
-  auto selection_arrays() const { return std::tie(modes_, substeps_, company_, settings_, failed_); }
+  auto selection_arrays() const { return std::tie(modes_, substeps_, group_keys_, settings_, failed_); }
   auto event_arrays() const { return std::tie(pushed_); }
   auto capture_arrays() const { return std::tie(capture_.answers, capture_.motions); }
 
@@ -66,7 +66,7 @@ class SolvePhase {
   };
 
   bool choose_substeps(Stores& world, const StepContext& step, const IslandPhase& islands);
-  void choose_company(const Stores& world, const solver::Islands& islands);
+  void choose_group_keys(const Stores& world, const solver::Islands& islands);
   void choose_settings(const Stores& world, int asked);
   const GroupSettings* find_settings(const solver::IslandGroup& group, int asked) const;
   void solve_groups(Stores& world, const StepContext& step, const solver::AddedSlip* added_slips, IslandPhase& islands,
@@ -75,14 +75,14 @@ class SolvePhase {
   int substeps_of(const solver::IslandGroup& group, int asked) const;
   void prepare_direct_solvers(const solver::Islands& islands);
   bool solve_directly(const solver::SolveInput& input, std::size_t group, bool profile);
-  void note_modes(Stores& world, const solver::Islands& islands, StepCounts& counts);
+  void record_modes(Stores& world, const solver::Islands& islands, StepCounts& counts);
 
   std::vector<solver::IslandGroup> groups_;
   jobs::CompactArray<solver::GroupReport> group_reports_;
   jobs::CompactArray<std::unique_ptr<solver::GroupSolver>> large_solvers_;  // of large groups, in order
   jobs::CompactArray<solver::SolveMode> modes_;                             // by island, or empty
   jobs::CompactArray<std::uint16_t> substeps_;                              // likewise
-  jobs::CompactArray<std::uint32_t> company_;                               // by island: see pack_groups()
+  jobs::CompactArray<std::uint32_t> group_keys_;                            // by island: see pack_groups()
   jobs::CompactArray<GroupSettings> settings_;                              // one for each that some group has
   bool regrouped_ = false;                                                  // since the last solve
   DirectGroups direct_;

@@ -135,7 +135,7 @@ void add_list(std::string& object, const char* name, const std::vector<std::stri
 }  // namespace
 
 Film::Film(FilmOptions options)
-    : options_(std::move(options)), clock_(options_.first_step, options_.stride), contacts_(options_.most_contacts) {}
+    : options_(std::move(options)), clock_(options_.first_step, options_.stride), contacts_(options_.max_contacts) {}
 
 void Film::add(const World& world, const StepReport& report, double dt) {
   if (clock_.tick(dt)) add_frame(world, &report);
@@ -155,12 +155,12 @@ void Film::add_frame(const World& world, const StepReport* report) {
   const std::vector<BodyId> ids = world.bodies();
   number_bodies(world, ids);
   sights_.assign(bodies_.size(), {});
-  note_bodies(world, ids);
-  note_joints(world, frame);
-  note_forces(world, frame);
-  if (!contacts_.end()) note_contacts(world);
+  record_bodies(world, ids);
+  record_joints(world, frame);
+  record_forces(world, frame);
+  if (!contacts_.end()) record_contacts(world);
   chunks_.add_frame(sights_, precision_);
-  contacts_.end_frame(FilmChunks::most_frames);
+  contacts_.end_frame(FilmChunks::max_frames);
   frames_.push_back(frame);
 }
 
@@ -182,7 +182,7 @@ void Film::number_bodies(const World& world, const std::vector<BodyId>& ids) {
   }
 }
 
-void Film::note_bodies(const World& world, const std::vector<BodyId>& ids) {
+void Film::record_bodies(const World& world, const std::vector<BodyId>& ids) {
   const Eigen::Matrix3Xd origins = world.origins();
   const Eigen::Map<const Eigen::Matrix4Xd> turns = world.orientations();
   for (const BodyId id : ids) {
@@ -195,7 +195,7 @@ void Film::note_bodies(const World& world, const std::vector<BodyId>& ids) {
   for (const Quarantined& out : world.quarantined()) sights_[numbers_[out.id.index]].flags |= body_quarantined;
 }
 
-void Film::note_joints(const World& world, FilmFrame& frame) {
+void Film::record_joints(const World& world, FilmFrame& frame) {
   std::map<JointId, std::size_t> present;
   for (const JointId id : world.joints()) {
     const JointState state = world.joint_state(id);
@@ -228,7 +228,7 @@ void Film::note_joints(const World& world, FilmFrame& frame) {
 }
 
 // Records the forces on bodies, and the islands that follow: bodies that press on each other or are joined.
-void Film::note_forces(const World& world, FilmFrame& frame) {
+void Film::record_forces(const World& world, FilmFrame& frame) {
   Joined joined(bodies_.size());
   const auto moves = [&](std::uint32_t number) { return bodies_[number].type == BodyType::Dynamic; };
   std::vector<std::uint8_t> in_island(bodies_.size(), 0);
@@ -246,7 +246,7 @@ void Film::note_forces(const World& world, FilmFrame& frame) {
   }
   for (const auto& [id, place] : present_joints_) link(joints_[place].first, joints_[place].second);
   std::map<std::uint32_t, std::uint8_t> solves;
-  for (const SelectedSolve& island : world.selected_solves()) {
+  for (const SolverChoice& island : world.solver_choices()) {
     if (!world.contains(island.lowest) || *island.why_not != 0) continue;
     solves[numbers_[island.lowest.index]] = island.direct ? body_direct : body_refined;
   }
@@ -258,7 +258,7 @@ void Film::note_forces(const World& world, FilmFrame& frame) {
   }
 }
 
-void Film::note_contacts(const World& world) {
+void Film::record_contacts(const World& world) {
   const std::span<const ContactForce> points = world.contact_forces();
   if (!contacts_.takes(points.size())) return;
   for (const ContactForce& point : points) {
@@ -275,7 +275,7 @@ std::string Film::text() {
                {"related", {{"text", options_.related.text}, {"address", options_.related.address}}},
                {"precision", precision_},
                {"turn_units", FilmChunks::turn_units},
-               {"chunk_frames", FilmChunks::most_frames},
+               {"chunk_frames", FilmChunks::max_frames},
                {"bodies", std::move(bodies)},
                {"joints", std::move(joints)},
                {"frames", frames_object(frames_)}};

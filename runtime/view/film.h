@@ -40,7 +40,7 @@ struct FilmOptions {
   /// there are at first, as a power of two.
   std::optional<double> precision = {};
   /// From the frame on at which there are more, contact points are left out: 100,000 take 1 to 2 MB of the page.
-  std::size_t most_contacts = 200'000;
+  std::size_t max_contacts = 200'000;
 };
 
 /// A body of a film: its place among them is its number.
@@ -94,10 +94,10 @@ class Film : public Watcher {
  private:
   void add_frame(const World& world, const StepReport* report);
   void number_bodies(const World& world, const std::vector<BodyId>& ids);
-  void note_joints(const World& world, FilmFrame& frame);
-  void note_forces(const World& world, FilmFrame& frame);
-  void note_contacts(const World& world);
-  void note_bodies(const World& world, const std::vector<BodyId>& ids);
+  void record_joints(const World& world, FilmFrame& frame);
+  void record_forces(const World& world, FilmFrame& frame);
+  void record_contacts(const World& world);
+  void record_bodies(const World& world, const std::vector<BodyId>& ids);
 
   FilmOptions options_;
   double precision_ = 0;

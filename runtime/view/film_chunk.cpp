@@ -59,10 +59,10 @@ void FilmChunks::add_body(std::size_t number, const BodySight& body, double prec
 void FilmChunks::add_frame(const std::vector<BodySight>& bodies, double precision) {
   if (tracks_.size() < bodies.size()) {
     tracks_.resize(bodies.size());
-    for (std::vector<std::uint8_t>& row : rows_) row.resize(bodies.size() * most_frames, 0);
+    for (std::vector<std::uint8_t>& row : rows_) row.resize(bodies.size() * max_frames, 0);
   }
   for (std::size_t number = 0; number < bodies.size(); ++number) add_body(number, bodies[number], precision);
-  if (++frames_ == most_frames) end_chunk();
+  if (++frames_ == max_frames) end_chunk();
 }
 
 void FilmChunks::end_chunk() {
@@ -72,7 +72,7 @@ void FilmChunks::end_chunk() {
   packer.add(static_cast<std::uint32_t>(tracks_.size()));
   packer.add(static_cast<std::uint32_t>(escapes_.size()));
   for (std::vector<std::uint8_t>& row : rows_) {
-    for (std::size_t body = 0; body < tracks_.size(); ++body) packer.add(&row[body * most_frames], frames_);
+    for (std::size_t body = 0; body < tracks_.size(); ++body) packer.add(&row[body * max_frames], frames_);
     std::fill(row.begin(), row.end(), std::uint8_t{0});
   }
   packer.add(escapes_.data(), escapes_.size() * sizeof(std::int32_t));

@@ -34,7 +34,7 @@ struct BodySight {
 /// in chunks that stand for themselves, so that a page can begin anywhere.
 class FilmChunks {
  public:
-  static constexpr std::size_t most_frames = 60;
+  static constexpr std::size_t max_frames = 60;
   static constexpr double turn_units = 2048;  ///< a quaternion's components are rounded to this part of 1
 
   /// Adds a frame with all bodies by number; new ones come at the end. `precision` in m.
@@ -54,13 +54,13 @@ class FilmChunks {
   };
   enum Row : std::size_t { first_pose_row = 0, flags_row = 7, force_row = 8, island_row = 9, row_count = 10 };
 
-  std::uint8_t& cell(std::size_t row, std::size_t body) { return rows_[row][body * most_frames + frames_]; }
+  std::uint8_t& cell(std::size_t row, std::size_t body) { return rows_[row][body * max_frames + frames_]; }
   void write(std::uint8_t& cell, std::int32_t difference);
   void add_body(std::size_t number, const BodySight& body, double precision);
   void end_chunk();
 
   std::vector<Track> tracks_;
-  std::array<std::vector<std::uint8_t>, row_count> rows_;  // most_frames bytes a body
+  std::array<std::vector<std::uint8_t>, row_count> rows_;  // max_frames bytes a body
   std::vector<std::int32_t> escapes_;
   std::size_t frames_ = 0;  // in this chunk
   PackedTexts done_;

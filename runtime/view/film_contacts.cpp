@@ -8,7 +8,7 @@
 namespace atl::view {
 
 bool FilmContacts::takes(std::size_t count) {
-  if (!end_ && kept_ + count > most_) end_ = frames_;
+  if (!end_ && kept_ + count > max_) end_ = frames_;
   return !end_;
 }
 

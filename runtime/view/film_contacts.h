@@ -17,7 +17,7 @@ namespace atl::view {
 class FilmContacts {
  public:
   /// At most so many points.
-  explicit FilmContacts(std::size_t most) : most_(most) {}
+  explicit FilmContacts(std::size_t max) : max_(max) {}
 
   /// True if there is room for that many points in the next frame. If there isn't, that frame and all later ones have
   /// none.
@@ -44,7 +44,7 @@ class FilmContacts {
 
   void end_chunk();
 
-  std::size_t most_;
+  std::size_t max_;
   std::size_t kept_ = 0;
   std::size_t frames_ = 0;
   std::optional<std::size_t> end_ = {};

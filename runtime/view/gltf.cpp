@@ -46,10 +46,10 @@ void GltfFilm::add_frame(const World& world) {
     const Pose pose = world.pose(id);
     const Eigen::Vector3f at = pose.position.cast<float>();
     // A body that was lost far away may be beyond a float's range; it keeps its last place.
-    const bool told = at.allFinite() || body.positions.empty();
+    const bool is_known = at.allFinite() || body.positions.empty();
     Eigen::Vector4f turn = pose.orientation.coeffs().cast<float>().normalized();
     if (!body.turns.empty() && turn.dot(Eigen::Map<const Eigen::Vector4f>(body.turns.back().data())) < 0) turn = -turn;
-    body.positions.push_back(!told             ? body.positions.back()
+    body.positions.push_back(!is_known         ? body.positions.back()
                              : !at.allFinite() ? std::array<float, 3>{}
                                                : std::array{at.x(), at.y(), at.z()});
     body.turns.push_back({turn.x(), turn.y(), turn.z(), turn.w()});
@@ -125,13 +125,13 @@ class GltfFilm::Writer {
     accessor.type = width == 1 ? TINYGLTF_TYPE_SCALAR : width == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4;
     accessor.count = count;
     for (std::size_t k = 0; k < width && bounds == Bounds::Told; ++k) {
-      float least = data[k], most = data[k];
+      float min = data[k], max = data[k];
       for (std::size_t i = 1; i < count; ++i) {
-        least = std::min(least, data[i * width + k]);
-        most = std::max(most, data[i * width + k]);
+        min = std::min(min, data[i * width + k]);
+        max = std::max(max, data[i * width + k]);
       }
-      accessor.minValues.push_back(least);
-      accessor.maxValues.push_back(most);
+      accessor.minValues.push_back(min);
+      accessor.maxValues.push_back(max);
     }
     model_.accessors.push_back(accessor);
     return static_cast<int>(model_.accessors.size()) - 1;
@@ -159,19 +159,19 @@ class GltfFilm::Writer {
     return geometry_[number] = {places, static_cast<int>(model_.accessors.size()) - 1};
   }
 
-  int mesh(std::uint32_t number, int its_material) {
-    const auto known = meshes_.find({number, its_material});
+  int mesh(std::uint32_t number, int material_index) {
+    const auto known = meshes_.find({number, material_index});
     if (known != meshes_.end()) return known->second;
     const auto [places, indices] = surface(number);
     tinygltf::Primitive primitive;
     primitive.attributes["POSITION"] = places;
     primitive.indices = indices;
-    primitive.material = its_material;
+    primitive.material = material_index;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     tinygltf::Mesh mesh;
     mesh.primitives.push_back(primitive);
     model_.meshes.push_back(mesh);
-    return meshes_[{number, its_material}] = static_cast<int>(model_.meshes.size()) - 1;
+    return meshes_[{number, material_index}] = static_cast<int>(model_.meshes.size()) - 1;
   }
 
   void add_body(std::size_t place) {

@@ -136,7 +136,7 @@ void Still::draw(std::uint32_t number) {
     };
     const double area = side(a, b, c.x(), c.y());
     if (area == 0 || !std::isfinite(area)) continue;
-    const auto bound = [](double value, int most) { return static_cast<int>(std::clamp(value, 0.0, double(most))); };
+    const auto bound = [](double value, int max) { return static_cast<int>(std::clamp(value, 0.0, double(max))); };
     const int left = bound(std::floor(std::min({a.x(), b.x(), c.x()})), wide);
     const int right = bound(std::ceil(std::max({a.x(), b.x(), c.x()})), wide);
     const int top = bound(std::floor(std::min({a.y(), b.y(), c.y()})), high);

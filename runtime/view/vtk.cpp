@@ -60,8 +60,8 @@ std::map<std::size_t, double> residuals_of(const ContactProblem& problem) {
   for (std::size_t i = 0; i < problem.patches.size(); ++i) {
     for (const std::size_t side : {problem.patches[i].first, problem.patches[i].second}) {
       if (side == ContactProblem::fixed) continue;
-      double& most = residuals[problem.bodies[side].index];
-      most = std::max(most, report.by_patch[i]);
+      double& max = residuals[problem.bodies[side].index];
+      max = std::max(max, report.by_patch[i]);
     }
   }
   return residuals;

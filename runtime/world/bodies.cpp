@@ -82,9 +82,9 @@ void give_constants(Stores& world, std::uint32_t body, const std::shared_ptr<con
   world.sleeping.keep_awake(body, !c.may_sleep);
   bodies.principal_axes.set(body, c.principal_axes);
   bodies.moments.set(body, c.moments);
-  const double least_moment = least_moment_of(c);
-  if (least_moment > 0 && bodies.least_moment.empty()) bodies.least_moment.resize(bodies.size(), 0.0);
-  if (!bodies.least_moment.empty()) bodies.least_moment[body] = least_moment;
+  const double min_moment = min_moment_of(c);
+  if (min_moment > 0 && bodies.min_moment.empty()) bodies.min_moment.resize(bodies.size(), 0.0);
+  if (!bodies.min_moment.empty()) bodies.min_moment[body] = min_moment;
   bodies.ball[body] = c.colliders.size() == 1 && c.colliders.front().shape.kind == collision::ShapeKind::Sphere &&
                       c.centre.isZero(0) && c.colliders.front().local.position.isZero(0);
   bodies.rolls[body] = !bodies.ball[body] && std::ranges::any_of(c.colliders, [](const CheckedCollider& collider) {
@@ -126,9 +126,9 @@ BodyId add_body(Stores& world, const CheckedBody& start) {
   world.sleeping.awake[body] = records.dynamic[body];
   world.sleeping.rest_time[body] = 0;
   world.contents.count(bodies, records, body, +1);
-  note_arrival_or_departure(world, body);
+  mark_arrival_or_departure(world, body);
   add_colliders(world, body);
-  note_size(world, body);
+  update_size(world, body);
   add_proxies(world, body);
   suspect_new(world, body);
   forget_acceleration(world, body);
@@ -176,7 +176,7 @@ void take_out(Stores& world, std::uint32_t body) {
   if constexpr (with_direct_contacts) world.selection.forget(body);
   world.control.forget(body);
   records.dynamic[body] = 0;
-  note_arrival_or_departure(world, body);
+  mark_arrival_or_departure(world, body);
   bodies.mobility[body] = solver::Mobility::Fixed;
   bodies.gyroscopic[body] = 0;
   bodies.velocity(body).setZero();
@@ -257,7 +257,7 @@ BodyDef definition_of(const Stores& world, std::uint32_t body) {
               .contact_event_force = constants.contact_event_force,
               .user_data = world.records.user_data[body]};
   if (constants.type == BodyType::Dynamic) {
-    def.mass = std::clamp(1 / constants.inverse_mass, loads.least, loads.most);  // to rounding it is
+    def.mass = std::clamp(1 / constants.inverse_mass, loads.min, loads.max);  // to rounding it is
     def.inertia = constants.inertia;
     def.centre_of_mass = constants.centre;
   }
@@ -412,7 +412,7 @@ void wake_touching(Stores& world, std::uint32_t body) {
 }
 
 // Islands are made anew even if the index was used again for a body that looks the same to them.
-void note_arrival_or_departure(Stores& world, std::uint32_t body) {
+void mark_arrival_or_departure(Stores& world, std::uint32_t body) {
   if (world.bodies.mobility[body] != solver::Mobility::Fixed || world.active.contains(body))
     world.changes.may_start_or_stop.push_back(body);
   world.changes.islands = true;

@@ -55,7 +55,7 @@ void refilter(Stores& world, std::uint32_t body);
 void set_collision_enabled(Stores& world, std::uint32_t first, std::uint32_t second, bool enabled);
 
 /// Who may move may have changed by that.
-void note_arrival_or_departure(Stores& world, std::uint32_t body);
+void mark_arrival_or_departure(Stores& world, std::uint32_t body);
 /// Follows what fell asleep, woke, came, went or got a velocity, and which contacts are looked at by that. Whether the
 /// active bodies changed.
 struct ActiveChange {

@@ -181,10 +181,10 @@ void find_principal_axes(BodyConstants& body) {
 // Throws unless single precision holds a dynamic body's mass and moments, and its inertia is a valid one.
 void check_loads(const char* field, double mass, const BodyConstants& body) {
   // There is room for moments of such masses, and their inverses, up to 1e6 m and down to 1e-6 of it.
-  constexpr double least_moment = 1e-36, most_moment = 1e36;
-  const bool holds_mass = mass >= loads.least && mass <= loads.most;
+  constexpr double min_moment = 1e-36, max_moment = 1e36;
+  const bool holds_mass = mass >= loads.min && mass <= loads.max;
   const Vector3 moments = body.inertia.diagonal();
-  const bool holds_moments = moments.minCoeff() >= least_moment && moments.maxCoeff() <= most_moment;
+  const bool holds_moments = moments.minCoeff() >= min_moment && moments.maxCoeff() <= max_moment;
   if (!holds_mass || !holds_moments || !body.inverse_inertia.allFinite()) {
     refuse(
         field, mass,
@@ -240,13 +240,13 @@ void check_mass(const BodyDef& def, BodyConstants& body) {
 
 }  // namespace
 
-double least_moment_of(const BodyConstants& body) {
+double min_moment_of(const BodyConstants& body) {
   if (body.type != BodyType::Dynamic || solver::angular_locks(body.locks) != 0) return 0;
   double radius = std::numeric_limits<double>::infinity();
   for (const CheckedCollider& collider : body.colliders) radius = std::min(radius, collider.shape.inner_radius);
-  const double least = solver::least_moment_share / body.inverse_mass * radius * radius;
+  const double min = solver::min_moment_share / body.inverse_mass * radius * radius;
   const Vector3 moments = body.gyroscopic ? body.moments : Vector3(body.inertia.diagonal());
-  if (moments.minCoeff() < least) return least;
+  if (moments.minCoeff() < min) return min;
   return moments.maxCoeff() > solver::slender_ratio * moments.minCoeff() ? moments.minCoeff() : 0;
 }
 
@@ -276,7 +276,7 @@ std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& sh
   return colliders;
 }
 
-double most_friction(const Material& material) {
+double max_friction(const Material& material) {
   if (!material.is_directed()) return material.friction;
   return std::max(material.friction, material.friction_across);
 }

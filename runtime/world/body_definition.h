@@ -80,13 +80,13 @@ void for_each_material(const BodyConstants& body, const Visit& visit) {
   for (const Material& material : body.materials) visit(material);
 }
 /// Coulomb coefficient, in the direction in which it is largest.
-double most_friction(const Material& material);
+double max_friction(const Material& material);
 bool has_own_materials(const BodyConstants& body);
 bool has_own_filters(const BodyConstants& body);
 
 /// kg m^2: what contacts see of lesser moments, see solver/contact_inertia.h. 0 if the body has none, as any solid of
 /// uniform density.
-double least_moment_of(const BodyConstants& body);
+double min_moment_of(const BodyConstants& body);
 
 /// Throws Error naming the field, the value and what was expected.
 CheckedBody check(const BodyDef& def);

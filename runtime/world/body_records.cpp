@@ -70,7 +70,7 @@ void Contents::count(const solver::BodyTable& bodies, const BodyRecords& records
   const BodyConstants& constants = *records.constants[body];
   bool rubs = false, bounces = false;
   for_each_material(constants, [&](const Material& material) {
-    rubs |= most_friction(material) > 0;
+    rubs |= max_friction(material) > 0;
     bounces |= material.restitution > 0;
   });
   add(with_friction, rubs);

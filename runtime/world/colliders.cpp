@@ -33,7 +33,7 @@ collision::BodyMotions motions(const Stores& world) {
           .dt = world.clock.dt};
 }
 
-void note_size(Stores& world, std::uint32_t body) {
+void update_size(Stores& world, std::uint32_t body) {
   using Sweep = collision::BodyAabbs::Sweep;
   const Sweep sweep = world.records.type[body] == BodyType::Static ? Sweep::Never
                       : world.records.continuous[body]             ? Sweep::Always

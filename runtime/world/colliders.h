@@ -17,7 +17,7 @@ void clear_colliders(Stores& world, std::uint32_t body);
 void remove_colliders(Stores& world, std::uint32_t body);
 /// How far the shapes of a new body reach, and what that makes of its motion. Only dynamic bodies are stopped by what
 /// they hit; how kinematic ones move is part of what these meet.
-void note_size(Stores& world, std::uint32_t body);
+void update_size(Stores& world, std::uint32_t body);
 
 /// A collider's, or its body's where it has none of its own.
 const Material& material_of(const Stores& world, std::uint32_t collider, std::uint8_t number = 0);

@@ -43,9 +43,9 @@ bool are_alike(const BodyConstants& a, const BodyConstants& b) {
 std::shared_ptr<const BodyConstants> ConstantsPool::share(const BodyConstants& constants) {
   std::shared_ptr<const BodyConstants> last = last_.lock();
   if (last && are_alike(*last, constants)) return last;
-  if (known_.size() >= most_) {
+  if (known_.size() >= max_) {
     std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-    most_ = std::max<std::size_t>(64, 2 * known_.size());
+    max_ = std::max<std::size_t>(64, 2 * known_.size());
   }
   std::weak_ptr<const BodyConstants>& place = known_[fingerprint(constants)];
   std::shared_ptr<const BodyConstants> shared = place.lock();

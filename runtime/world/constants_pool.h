@@ -18,7 +18,7 @@ class ConstantsPool {
   // By fingerprint. Nothing depends on their order.
   std::unordered_map<std::uint64_t, std::weak_ptr<const BodyConstants>> known_;
   std::weak_ptr<const BodyConstants> last_;  // that was shared: what comes next is often the same
-  std::size_t most_ = 64;                    // at which those that are gone are dropped
+  std::size_t max_ = 64;                     // at which those that are gone are dropped
 };
 
 }  // namespace atl

@@ -143,7 +143,7 @@ void come_back(Stores& world, std::uint32_t body) {
   world.sleeping.awake[body] = world.records.dynamic[body];
   world.sleeping.rest_time[body] = 0;
   world.contents.count(world.bodies, world.records, body, +1);
-  note_arrival_or_departure(world, body);
+  mark_arrival_or_departure(world, body);
   add_proxies(world, body);
   if constexpr (with_joints) resume_joints_of(world, body);
   world.quarantine.suspect(body);

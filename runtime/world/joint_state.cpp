@@ -36,18 +36,18 @@ double motor_force(const solver::Joint& joint, std::size_t row, double position,
                    double substep) {
   const solver::Law& law = joint.law[row];
   if (!law.drives() || substep == 0) return 0;
-  const double most = law.motor_force;
+  const double max = law.motor_force;
   if (law.is_servo()) {
     const double wanted =
         law.servo_stiffness * (law.servo_target - position) + law.servo_damping * (law.motor_speed - speed);
-    return std::clamp(wanted, -most, most);
+    return std::clamp(wanted, -max, max);
   }
   const double way = law.motor_speed < 0 ? -1 : 1;
-  if (law.motor_speed != 0 && joint.limit[row] * way > 0 && std::isfinite(most)) return way * most;
+  if (law.motor_speed != 0 && joint.limit[row] * way > 0 && std::isfinite(max)) return way * max;
   const double all = joint.impulse[row] / substep - spring;
   // Friction holds back the motor; where both hold the coordinate still, it takes what it can.
   const double rubs = law.motor_speed != 0 ? -way * law.friction : std::clamp(all, -law.friction, law.friction);
-  return std::clamp(all - rubs, -most, most);
+  return std::clamp(all - rubs, -max, max);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace atl {
 namespace {
 
 // Nearer than this the line between two points is a matter of rounding.
-constexpr double least_distance = 1e-9;  // m
+constexpr double min_distance = 1e-9;  // m
 
 std::string text(BodyId id) {
   std::ostringstream out;
@@ -161,7 +161,7 @@ JointDef with_suspension(const Stores& world, JointDef def) {
 }
 
 void check_direction(const Stores& world, const JointDef& def, const solver::Joint& joint) {
-  if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames_of(world, joint).offset.norm() > least_distance)) {
+  if (std::holds_alternative<DistanceJoint>(def.kind) && !(frames_of(world, joint).offset.norm() > min_distance)) {
     throw Error("JointDef: the origins of the frames of a DistanceJoint coincide; expected two points");
   }
 }

@@ -15,7 +15,7 @@ namespace atl {
 namespace {
 
 // The least part of a contact's friction: less is none in the single precision of sweeps.
-constexpr double least_part = 1e-6;
+constexpr double min_part = 1e-6;
 
 double combined(double a, double b, CombineRule rule) {
   switch (rule) {
@@ -116,7 +116,7 @@ const MaterialPair* find_pair(const Stores& world, const Material& a, const Mate
 double friction_of(const Stores& world, const Material& a, const Material& b) {
   const MaterialPair* pair = find_pair(world, a, b);
   if (pair == nullptr || !pair->friction) {
-    return combined(most_friction(a), most_friction(b), std::max(a.friction_rule, b.friction_rule));
+    return combined(max_friction(a), max_friction(b), std::max(a.friction_rule, b.friction_rule));
   }
   const bool is_directed = a.is_directed() || b.is_directed();
   return std::max(*pair->friction, is_directed ? pair->friction_across.value_or(0) : 0);
@@ -148,14 +148,14 @@ DirectedFriction directed(const Stores& world, std::uint32_t body, const Materia
 
 }  // namespace
 
-void note_grip(const Stores& world, const collision::Contact& contact, const Material& first, const Material& second,
-               const collision::ContactManifold& manifold, solver::SurfaceContact& surface) {
+void record_grip(const Stores& world, const collision::Contact& contact, const Material& first, const Material& second,
+                 const collision::ContactManifold& manifold, solver::SurfaceContact& surface) {
   std::fill_n(surface.grip, 3, 0.0f);
   surface.twist = surface.ratio = 1;
   if (!first.is_directed() && !second.is_directed()) return;
   DirectedFriction a = directed(world, contact.body_first, first), b = directed(world, contact.body_second, second);
-  const double most = friction_of(world, first, second);
-  if (!(most > 0)) return;
+  const double max = friction_of(world, first, second);
+  if (!(max > 0)) return;
   const bool by_second = a.direction.isZero(0) || (!b.direction.isZero(0) && b.unevenness() > a.unevenness());
   const Vector3 direction = by_second ? b.direction : a.direction;
   const collision::Tangents frame = collision::tangents(manifold.normal);
@@ -169,14 +169,14 @@ void note_grip(const Stores& world, const collision::Contact& contact, const Mat
   }
   const CombineRule rule = std::max(first.friction_rule, second.friction_rule);
   const auto part = [&](const Vector3& t) {
-    return (pair != nullptr && pair->friction ? a.in(t) : combined(a.in(t), b.in(t), rule)) / most;
+    return (pair != nullptr && pair->friction ? a.in(t) : combined(a.in(t), b.in(t), rule)) / max;
   };
   const double parts[2] = {part(along), part(across)};
   const bool crosswise = parts[1] > parts[0];
-  const double greater = std::max(parts[crosswise], least_part);
+  const double greater = std::max(parts[crosswise], min_part);
   const Vector3 grip = greater * (crosswise ? across : along);
   for (int i = 0; i < 3; ++i) surface.grip[i] = static_cast<float>(grip[i]);
-  surface.ratio = static_cast<float>(std::max(parts[!crosswise] / greater, least_part));
+  surface.ratio = static_cast<float>(std::max(parts[!crosswise] / greater, min_part));
   // A point that turns about the centre slips across its arm.
   double turning = 0, arms = 0;
   for (int i = 0; i < contact.count; ++i) {

@@ -21,8 +21,8 @@ const MaterialPair* find_pair(const Stores& world, const Material& a, const Mate
 double friction_of(const Stores& world, const Material& a, const Material& b);
 /// Says how the friction of two that touch depends on its direction. They are where they will be half way through the
 /// step.
-void note_grip(const Stores& world, const collision::Contact& contact, const Material& first, const Material& second,
-               const collision::ContactManifold& manifold, solver::SurfaceContact& surface);
+void record_grip(const Stores& world, const collision::Contact& contact, const Material& first, const Material& second,
+                 const collision::ContactManifold& manifold, solver::SurfaceContact& surface);
 double restitution_of(const Stores& world, const Material& a, const Material& b);
 
 }  // namespace atl

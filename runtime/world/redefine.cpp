@@ -46,7 +46,7 @@ void give_other_place(Stores& world, std::uint32_t body, const BodyConstants& co
   clear_colliders(world, body);
   change_constants(world, body, constants);
   add_colliders(world, body);
-  note_size(world, body);
+  update_size(world, body);
   if (takes_part) add_proxies(world, body);
   world.results.captured = false;
 }
@@ -108,7 +108,7 @@ void redefine(Stores& world, std::uint32_t body, const BodyConstants& constants)
   follow_type(world, body);
   if constexpr (with_joints) move_anchors(world, body);
   world.quarantine.suspect(body);
-  note_arrival_or_departure(world, body);
+  mark_arrival_or_departure(world, body);
 }
 
 BodyConstants redefined(const Stores& world, std::uint32_t body, const BodyDef& def) {
@@ -200,7 +200,7 @@ void change_heights(Stores& world, std::uint32_t body, const Samples& samples, s
   const std::size_t rows = heights.size() / samples.columns;
   const collision::Bounds before = changed_bounds(world, collider, samples, rows);
   exchange_constants(world, body, constants);
-  note_size(world, body);
+  update_size(world, body);
   const collision::Bounds after = changed_bounds(world, collider, samples, rows);
   const collision::Bounds both = {before.lower.cwiseMin(after.lower), before.upper.cwiseMax(after.upper)};
   outdate_contacts(world, collider, both);

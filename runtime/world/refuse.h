@@ -56,7 +56,7 @@ inline void check_finite(std::string_view field, const Vector3& value) {
 /// Sizes that single precision can compute with in a step: products of two such numbers, and of one and the inverse of
 /// another, neither overflow nor lose digits.
 struct Bounds {
-  double least, most;
+  double min, max;
 };
 inline constexpr Bounds numbers{1e-15, 1e15};
 /// Bounds of masses, stiffnesses and the loads that break a joint. They are wider, since lengths and times multiply
@@ -71,23 +71,23 @@ inline constexpr Bounds loads{1e-30, 1e30};
 
 inline void check_positive(std::string_view field, double value, const Bounds& bounds = numbers) {
   if (!(std::isfinite(value) && value > 0)) refuse(field, value, "a finite number above 0");
-  if (value < bounds.least) refuse_size(field, value, bounds.least, "least");
-  if (value > bounds.most) refuse_size(field, value, bounds.most, "most");
+  if (value < bounds.min) refuse_size(field, value, bounds.min, "least");
+  if (value > bounds.max) refuse_size(field, value, bounds.max, "most");
 }
 
 inline void check_not_negative(std::string_view field, double value, const Bounds& bounds = numbers) {
   if (!(std::isfinite(value) && value >= 0)) refuse(field, value, "a finite number not below 0");
-  if (value > bounds.most) refuse_size(field, value, bounds.most, "most");
+  if (value > bounds.max) refuse_size(field, value, bounds.max, "most");
 }
 
 /// One of either sign.
 inline void check_number(std::string_view field, double value, const Bounds& bounds = numbers) {
   check_finite(field, value);
-  if (std::abs(value) > bounds.most) refuse_size(field, value, bounds.most, "most");
+  if (std::abs(value) > bounds.max) refuse_size(field, value, bounds.max, "most");
 }
 inline void check_number(std::string_view field, const Vector3& value, const Bounds& bounds = numbers) {
   check_finite(field, value);
-  if (value.cwiseAbs().maxCoeff() > bounds.most) refuse_size(field, value, bounds.most, "most");
+  if (value.cwiseAbs().maxCoeff() > bounds.max) refuse_size(field, value, bounds.max, "most");
 }
 
 }  // namespace atl

@@ -11,8 +11,8 @@
 namespace atl {
 namespace {
 
-void check_count(std::string_view field, int value, int least) {
-  if (value < least || value > 1024) refuse(field, value, least == 0 ? "0 to 1024" : "1 to 1024");
+void check_count(std::string_view field, int value, int min) {
+  if (value < min || value > 1024) refuse(field, value, min == 0 ? "0 to 1024" : "1 to 1024");
 }
 
 void check_target(const Settings& settings, const ErrorTarget& target) {
@@ -23,11 +23,11 @@ void check_target(const Settings& settings, const ErrorTarget& target) {
   check_error("Settings.target.joint_gap", target.joint_gap);
   check_error("Settings.target.residual", target.residual);
   check_error("Settings.target.motion", target.motion);
-  check_count("Settings.target.least_substeps", target.least_substeps, 1);
-  check_count("Settings.target.most_substeps", target.most_substeps, 1);
-  if (target.most_substeps < target.least_substeps) {
-    refuse("Settings.target.most_substeps", target.most_substeps,
-           "least_substeps, " + std::to_string(target.least_substeps) + ", or more");
+  check_count("Settings.target.min_substeps", target.min_substeps, 1);
+  check_count("Settings.target.max_substeps", target.max_substeps, 1);
+  if (target.max_substeps < target.min_substeps) {
+    refuse("Settings.target.max_substeps", target.max_substeps,
+           "min_substeps, " + std::to_string(target.min_substeps) + ", or more");
   }
   if (!target.is_set()) return;
   if (settings.stabilisation != Stabilisation::Soft) {
@@ -106,8 +106,8 @@ solver::ErrorTarget error_target(const ErrorTarget& target) {
           .joint_gap = target.joint_gap.value_or(none),
           .residual = target.residual.value_or(none),
           .motion = target.motion.value_or(none),
-          .least_substeps = target.least_substeps,
-          .most_substeps = target.most_substeps};
+          .min_substeps = target.min_substeps,
+          .max_substeps = target.max_substeps};
 }
 
 const solver::Kernels& kernels_for(Simd simd) {

@@ -58,8 +58,8 @@ struct StepResults {
   SensorEvents sensor_events;
   std::vector<JointEvent> joint_events;
   std::vector<SleepEvent> sleep_events;
-  std::vector<SelectedSolve> selected_solves;
-  std::vector<UnheldIsland> unheld_islands;
+  std::vector<SolverChoice> solver_choices;
+  std::vector<MissedTarget> missed_targets;
   std::vector<ContactForce> contact_forces;  ///< made when asked for
   bool contact_forces_valid = false;
   std::vector<PairForce> pair_forces;  ///< likewise, each time

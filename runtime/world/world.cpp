@@ -112,7 +112,7 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   if constexpr (with_recording) {
     if (recorder) {
       rules.note = [this](std::uint32_t question, const ContactAnswers& answers) {
-        recorder->note_answers(question, answers);
+        recorder->record_answers(question, answers);
       };
     }
   }
@@ -121,7 +121,7 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   clock.last_substep = dt / substeps;
   clock.last_dt = dt;
   clock.time += dt;
-  note_features(stores, pipeline, rules, recorder != nullptr, report);
+  report_features(stores, pipeline, rules, recorder != nullptr, report);
   report.ms = jobs::ms_since(start);
   return report;
 }
@@ -149,7 +149,7 @@ BodyId World::Impl::add_body(const CheckedBody& start) {
   const BodyId id = atl::add_body(stores, start);
   query_gate.note(stores.broadphase);
   if constexpr (with_recording) {
-    if (recorder) recorder->note_body(start, fingerprint(start.constants));
+    if (recorder) recorder->record_body(start, fingerprint(start.constants));
   }
   return id;
 }
@@ -158,7 +158,7 @@ void World::Impl::redefine(std::uint32_t body, const BodyConstants& constants) {
   atl::redefine(stores, body, constants);
   query_gate.note(stores.broadphase);
   if constexpr (with_recording) {
-    if (recorder) recorder->note_shape(id_of(stores, body), constants, fingerprint(constants));
+    if (recorder) recorder->record_shape(id_of(stores, body), constants, fingerprint(constants));
   }
 }
 
@@ -190,7 +190,7 @@ StepReport take_step(const World& world, auto& impl, double dt, bool forced, con
   impl.check_idle("step");
   const StepGuard::Step under_way(impl.step_guard, "World::step");
   if constexpr (with_recording) {
-    if (impl.recorder) impl.recorder->note_step(dt, forced, impl.stores.settings.run_everything, impl.rules);
+    if (impl.recorder) impl.recorder->record_step(dt, forced, impl.stores.settings.run_everything, impl.rules);
   }
   impl.rules.begin_step(world);
   begin_accelerations(impl.stores);
@@ -772,8 +772,8 @@ void World::prefetch() const {
 }
 
 std::vector<MemoryUse> World::memory() const { return memory_of(impl_->stores, impl_->pipeline); }
-std::span<const SelectedSolve> World::selected_solves() const { return impl_->stores.results.selected_solves; }
-std::span<const UnheldIsland> World::unheld_islands() const { return impl_->stores.results.unheld_islands; }
+std::span<const SolverChoice> World::solver_choices() const { return impl_->stores.results.solver_choices; }
+std::span<const MissedTarget> World::missed_targets() const { return impl_->stores.results.missed_targets; }
 
 std::span<const JointEvent> World::joint_events() const { return impl_->stores.results.joint_events; }
 

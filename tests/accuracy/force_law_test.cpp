@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "support/bodies.h"
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 
 namespace atl::test::force_law_test {
 namespace {
@@ -77,7 +77,7 @@ struct HungRod {
                           .position = turn * Vector3(length / 2, 0, 0),
                           .orientation = turn,
                           .mass = mass});
-    const Quaternion axis = least_turn(Vector3::UnitX(), Vector3::UnitY());
+    const Quaternion axis = min_turn(Vector3::UnitX(), Vector3::UnitY());
     world.add_joint({.kind = HingeJoint{},
                      .first = post,
                      .second = rod,

@@ -48,17 +48,17 @@ struct Rack {
   // The largest energy relative to that at the start, and the largest difference of a velocity from its mirror image.
   std::pair<double, double> run_for(int steps) {
     const double start = mechanical_energy(world, ids);
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < steps; ++i) {
       world.step(dt);
-      most = std::max(most, mechanical_energy(world, ids) / start);
+      max = std::max(max, mechanical_energy(world, ids) / start);
     }
     double apart = 0;
     for (const auto& [a, b] : mirrored) {
       const Vector3 image = world.velocity(ids[b]).cwiseProduct(Vector3(1, -1, 1));
       apart = std::max(apart, (world.velocity(ids[a]) - image).norm());
     }
-    return {most, apart};
+    return {max, apart};
   }
 };
 
@@ -79,11 +79,11 @@ TEST(Impact, ABreakKeepsItsEnergyAndItsSymmetry) {
     for (const double restitution : {1.0, 0.95, 0.5}) {
       for (const double friction : {0.0, 0.3}) {
         Rack rack(5, restitution, friction, settings);
-        const auto [most, apart] = rack.run_for(180);
+        const auto [max, apart] = rack.run_for(180);
         SCOPED_TRACE(testing::Message() << "e " << restitution << ", friction " << friction << ", stabilisation "
                                         << static_cast<int>(settings.stabilisation) << ", substeps "
                                         << settings.substeps);
-        EXPECT_LT(most, 1 + 1e-5);
+        EXPECT_LT(max, 1 + 1e-5);
         // Friction takes many sweeps to settle.
         EXPECT_LT(apart, friction > 0 ? 2e-3 : 1e-9);
         Vector3 momentum = Vector3::Zero();

@@ -8,7 +8,7 @@
 
 #include "support/bodies.h"
 #include "support/joined_run.h"
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 
 namespace atl::test::joint_drive_test {
 namespace {
@@ -65,13 +65,13 @@ JointAxis with_servo(const JointServo& servo, double max_force, double speed = 0
 
 TEST_P(JointDrive, AServoIsADampedOscillatorAboutItsTarget) {
   constexpr double target = 0.5, stiffness = 200, damping = 4;
-  for (const double most : {1e6, unlimited}) {
-    Drive drive(solver, turns, with_servo({target, stiffness, damping}, most));
+  for (const double max : {1e6, unlimited}) {
+    Drive drive(solver, turns, with_servo({target, stiffness, damping}, max));
     const double decay = damping / (2 * mass), turn = std::sqrt(stiffness / mass - decay * decay);
     const auto motion = [&](double t) {
       return target * (1 - std::exp(-decay * t) * (std::cos(turn * t) + decay / turn * std::sin(turn * t)));
     };
-    EXPECT_LT(drive.error(motion, 3), allowed(2e-5, 0.01)) << most;
+    EXPECT_LT(drive.error(motion, 3), allowed(2e-5, 0.01)) << max;
   }
 }
 
@@ -84,9 +84,9 @@ TEST_P(JointDrive, AServoOfSpeedApproachesIt) {
 }
 
 TEST_P(JointDrive, AServoHasNoMoreForceThanItIsGiven) {
-  constexpr double most = 3;
-  Drive drive(solver, turns, with_servo({.target = 5, .stiffness = 200, .damping = 40}, most));
-  EXPECT_LT(drive.error([](double t) { return 0.5 * most / mass * t * t; }, 1), allowed(1e-5, 0.005));
+  constexpr double max = 3;
+  Drive drive(solver, turns, with_servo({.target = 5, .stiffness = 200, .damping = 40}, max));
+  EXPECT_LT(drive.error([](double t) { return 0.5 * max / mass * t * t; }, 1), allowed(1e-5, 0.005));
   run(drive.world, 1200);
   EXPECT_NEAR(drive.position(), 5, 1e-4);
 }
@@ -95,12 +95,12 @@ TEST_P(JointDrive, AServoOfAnyGainsIsStable) {
   for (const double stiffness : {1e4, 1e8, 1e12}) {
     for (const double damping : {0.0, 1e3, 1e9}) {
       Drive drive(solver, turns, with_servo({0.3, stiffness, damping}, unlimited));
-      double most = 0;
+      double max = 0;
       for (int i = 0; i < 300; ++i) {
         drive.world.step(dt);
-        most = std::max(most, std::abs(drive.position() - 0.3));
+        max = std::max(max, std::abs(drive.position() - 0.3));
       }
-      EXPECT_LT(most, 0.301) << stiffness << ", " << damping;
+      EXPECT_LT(max, 0.301) << stiffness << ", " << damping;
       if (damping == 0) {
         EXPECT_LT(std::abs(drive.position() - 0.3), stiffness < 1e5 ? 0.301 : 1e-3) << stiffness;
       }
@@ -203,7 +203,7 @@ TEST(JointDrives, ABounceWithinAChainKeepsItTogether) {
     World world({.settings = {.joint_solver = solver}});
     BodyId last = world.add_body(static_box({0, 0, 0}, Vector3::Constant(0.05)));
     std::vector<BodyId> links;
-    const Quaternion axis = least_turn(Vector3::UnitX(), Vector3::UnitY());
+    const Quaternion axis = min_turn(Vector3::UnitX(), Vector3::UnitY());
     for (int i = 0; i < 3; ++i) {
       const BodyId link = world.add_body(box({0.5 + i, 0, 0}, {0.5, 0.05, 0.05}));
       world.add_joint({.kind = HingeJoint{{.range = {-0.4, 0.4, 0.8}}},
@@ -215,7 +215,7 @@ TEST(JointDrives, ABounceWithinAChainKeepsItTogether) {
       last = link;
     }
     const double start = 0;  // J: at rest at height 0
-    double most = 0, apart = 0;
+    double max = 0, apart = 0;
     for (int i = 0; i < 600; ++i) {
       world.step(dt);
       double energy = 0;
@@ -231,10 +231,10 @@ TEST(JointDrives, ABounceWithinAChainKeepsItTogether) {
                                                world.pose(links[k - 1]).orientation * Vector3(0.5, 0, 0));
         apart = std::max(apart, (left - joint).norm());
       }
-      most = std::max(most, energy);
+      max = std::max(max, energy);
     }
     const double scale = world.mass(links[0]) * g;
-    EXPECT_LT(most, start + 0.05 * scale) << solver_name(solver);
+    EXPECT_LT(max, start + 0.05 * scale) << solver_name(solver);
     EXPECT_LT(apart, solver == JointSolver::Direct ? 1e-5 : 0.02) << solver_name(solver);
   }
 }

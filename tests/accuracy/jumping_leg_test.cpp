@@ -38,12 +38,12 @@ double height_at(double step) {
     return (body_mass * world.pose(body).position.z() + foot_mass * world.pose(foot).position.z()) / all_mass;
   };
   const double start = centre();
-  double most = 0;
+  double max = 0;
   for (int i = 0; i * step < 0.5; ++i) {
     world.step(step);
-    most = std::max(most, centre() - start);
+    max = std::max(max, centre() - start);
   }
-  return most;
+  return max;
 }
 
 // Standing on the ground, it moves to first order in the step.

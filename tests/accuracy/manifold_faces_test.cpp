@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "support/colliding.h"
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 #include "support/placing.h"
 
 namespace atl::test::manifold_faces_test {
@@ -106,10 +106,10 @@ Polygon clip(Polygon polygon, const Polygon& window) {
 
 /// Corners that matter: without those that add less than a hundredth to the area.
 std::size_t corner_count(Polygon polygon) {
-  const double least = 0.01 * area(polygon);
+  const double min = 0.01 * area(polygon);
   for (;;) {
     std::size_t smallest = polygon.size();
-    double smallest_area = least;
+    double smallest_area = min;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const std::size_t before = (i + polygon.size() - 1) % polygon.size();
       const double corner = area({polygon[before], polygon[i], polygon[(i + 1) % polygon.size()]});
@@ -154,7 +154,7 @@ TEST_P(ManifoldsOfFaces, HaveThreePointsOrFour) {
     const double depth = size * std::pow(10, random.between(-5, -2));
     a.pose = {random.vector(-1, 1), random.orientation()};
     const Vector3 normal = a.pose.orientation * on_a.face.normal;
-    const Quaternion facing(least_turn(b.pose.orientation * on_b.face.normal, -normal));
+    const Quaternion facing(min_turn(b.pose.orientation * on_b.face.normal, -normal));
     b.pose.orientation = turn(random.between(0, 2 * pi), normal) * facing;
     b.pose.position = random.vector(-1, 1);
 

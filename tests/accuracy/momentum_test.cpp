@@ -68,9 +68,9 @@ TEST(Momentum, SurvivesACrowdThatFallsTogether) {
     scale += world.mass(ids.back()) * def.velocity.norm();
   }
   const Vector3 before = momentum(world, ids);
-  std::int64_t most = 0;
-  for (int i = 0; i < 300; ++i) most = std::max(most, world.step(dt).counts.contacts);
-  ASSERT_GT(most, 50);
+  std::int64_t max = 0;
+  for (int i = 0; i < 300; ++i) max = std::max(max, world.step(dt).counts.contacts);
+  ASSERT_GT(max, 50);
   // Some ten updates a body and substep at random: 2^-24 sqrt(300 * 4 * 10).
   EXPECT_LT((momentum(world, ids) - before).norm(), 6.6e-6 * scale);
 }

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "support/joined_run.h"
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 
 namespace atl::test::pendulum_energy_test {
 namespace {
@@ -19,7 +19,7 @@ constexpr double length = 0.5;  // m
 // Straight, at an angle from where it would hang.
 Scene pendulum(double angle) {
   const Vector3 along(std::sin(angle), 0, -std::cos(angle));
-  const Quaternion orientation = least_turn(Vector3::UnitX(), along);
+  const Quaternion orientation = min_turn(Vector3::UnitX(), along);
   Scene scene;
   scene.bodies.push_back({.name = "hook", .def = {.type = BodyType::Static, .shape = Sphere{0.1}}});
   for (int i = 0; i < links; ++i) {

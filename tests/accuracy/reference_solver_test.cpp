@@ -101,7 +101,7 @@ Eigen::VectorXd enumerate(const reference::ContactRows& rows) {
     w.col(i) = rows.relative_velocities(rows.velocities(Eigen::VectorXd::Unit(rows.rows, i))) - b;
   }
   Eigen::VectorXd best;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int set = 0; set < 1 << rows.rows; ++set) {
     std::vector<int> active;
     for (int i = 0; i < rows.rows; ++i) {
@@ -116,8 +116,8 @@ Eigen::VectorXd enumerate(const reference::ContactRows& rows) {
     }
     const Eigen::VectorXd u = w * r + b;
     const double violation = std::max({0.0, -r.minCoeff(), -u.minCoeff()});
-    if (violation < 1e-9 && 0.5 * r.dot(w * r) + b.dot(r) < least) {
-      least = 0.5 * r.dot(w * r) + b.dot(r);
+    if (violation < 1e-9 && 0.5 * r.dot(w * r) + b.dot(r) < min) {
+      min = 0.5 * r.dot(w * r) + b.dot(r);
       best = rows.velocities(r);
     }
   }

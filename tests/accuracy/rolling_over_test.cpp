@@ -24,13 +24,13 @@ double overlap_of_bar(double tilt, double spin, double half_length) {
                                        .position = Vector3(1, 0, 0) + (0.25 * std::sqrt(2) + 0.001) * up,
                                        .orientation = turn,
                                        .angular_velocity = {0, -spin, 0}});
-  double most = 0;
+  double max = 0;
   for (int i = 0; i < 3; ++i) {
     world.step(1.0 / 60);
-    most = std::max(most,
-                    overlap({BodyType::Static, block, world.pose(below)}, {BodyType::Dynamic, bar, world.pose(above)}));
+    max = std::max(max,
+                   overlap({BodyType::Static, block, world.pose(below)}, {BodyType::Dynamic, bar, world.pose(above)}));
   }
-  return most;
+  return max;
 }
 
 // Without the corner in the contact it goes in by 20 times as much.

@@ -193,17 +193,17 @@ TEST_P(TendonTest, ARangeStopsTheSum) {
   constexpr double torque = 0.7;
   Rotors rotors(2, GetParam());
   const JointId tendon = rotors.add_tendon({1, 1}, {.range = {-0.1, 0.3}});
-  bool told = false;
+  bool reached = false;
   for (int step = 0; step < 120; ++step) {
     for (std::size_t i = 0; i < 2; ++i) rotors.push(i, torque);
     rotors.world.step(dt);
     for (const JointEvent& event : rotors.world.joint_events()) {
-      told |= event.joint == tendon && event.kind == JointEventKind::ReachedLimit;
+      reached |= event.joint == tendon && event.kind == JointEventKind::ReachedLimit;
     }
   }
   EXPECT_NEAR(rotors.world.joint_state(tendon).position[0], 0.3, direct() ? 1e-6 : 1e-3);
   EXPECT_NEAR(rotors.world.joint_state(tendon).force.x(), -torque, 1e-3);
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reached);
 }
 
 // Sliders towards each other, of which a motor drives one and the other mimics it, grip a box by friction.

@@ -44,10 +44,10 @@ RunningProgram::RunningProgram(std::vector<std::string> words) {
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, scratch_.path("err").c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  sigset_t as_usual;
-  sigemptyset(&as_usual);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) sigaddset(&as_usual, signal);
-  posix_spawnattr_setsigdefault(&attributes, &as_usual);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) sigaddset(&defaults, signal);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   const int failed = posix_spawn(&child_, argv[0], &actions, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);

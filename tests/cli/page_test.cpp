@@ -132,13 +132,13 @@ std::string page_on_screen(const std::string& page, int width) {
 TEST_F(SweepPage, FitsAPhonesScreen) {
   const std::optional<std::string> browser = find_browser();
   if (!browser) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
-  const std::regex told(R"re(data-screen="(\d+)" data-page="(\d+)" data-beyond="([^"]*)")re");
+  const std::regex shown(R"re(data-screen="(\d+)" data-page="(\d+)" data-beyond="([^"]*)")re");
   for (const int width : {390, 1280}) {
     SCOPED_TRACE(width);
     const std::string file = scratch_.write("screen.html", page_on_screen(read_text(page()), width));
     const std::string document = load_page(*browser, file, 1400).document;
     std::smatch found;
-    ASSERT_TRUE(std::regex_search(document, found, told));
+    ASSERT_TRUE(std::regex_search(document, found, shown));
     // Less the bar that it is scrolled by, where there is one.
     EXPECT_LE(std::stoi(found[1]), width);
     EXPECT_GE(std::stoi(found[1]), width - 20);

@@ -29,9 +29,8 @@ TargetJson json_of_stack(std::vector<std::string> more) {
 TEST(CommandTarget, ALengthIsOfPenetrationsAndGaps) {
   for (const char* length : {"0.1mm", "100um", "0.0001", "1e-4m", "0.1 mm"}) {
     const TargetJson settings = json_of_stack({"--target", length})["settings"];
-    EXPECT_EQ(
-        settings["target"],
-        TargetJson::parse(R"({"penetration": 1e-4, "joint_gap": 1e-4, "least_substeps": 1, "most_substeps": 128})"))
+    EXPECT_EQ(settings["target"],
+              TargetJson::parse(R"({"penetration": 1e-4, "joint_gap": 1e-4, "min_substeps": 1, "max_substeps": 128})"))
         << length;
   }
   EXPECT_EQ(json_of_stack({})["settings"]["target"], "off");
@@ -39,19 +38,19 @@ TEST(CommandTarget, ALengthIsOfPenetrationsAndGaps) {
 
 TEST(CommandTarget, AListIsOfEachByItself) {
   const TargetJson settings =
-      json_of_stack({"--target", "motion=50mm/s,penetration=1mm,residual=0.01", "--most-substeps", "16"})["settings"];
+      json_of_stack({"--target", "motion=50mm/s,penetration=1mm,residual=0.01", "--max-substeps", "16"})["settings"];
   EXPECT_EQ(settings["target"],
-            TargetJson::parse(R"({"penetration": 0.001, "residual": 0.01, "motion": 0.05, "least_substeps": 1,
-                                  "most_substeps": 16})"));
+            TargetJson::parse(R"({"penetration": 0.001, "residual": 0.01, "motion": 0.05, "min_substeps": 1,
+                                  "max_substeps": 16})"));
   EXPECT_EQ(json_of_stack({"--target", "joint_gap=0.002"})["settings"]["target"]["joint_gap"], 0.002);
 }
 
 TEST(CommandTarget, WhatItIsHeldByIsTold) {
   const TargetJson held = json_of_stack({"--target", "0.1mm"});
-  EXPECT_EQ(held["unheld_islands"], TargetJson::array());
-  EXPECT_EQ(held["target"]["unheld_steps"].get<int>() == 0, held["target"]["unheld_islands"].get<int>() == 0);
+  EXPECT_EQ(held["missed_targets"], TargetJson::array());
+  EXPECT_EQ(held["target"]["missed_steps"].get<int>() == 0, held["target"]["missed_targets"].get<int>() == 0);
   EXPECT_GT(held["target"]["mean_substeps"], 1.0);
-  EXPECT_LE(held["target"]["mean_substeps"], held["target"]["most_substeps"].get<double>());
+  EXPECT_LE(held["target"]["mean_substeps"], held["target"]["max_substeps"].get<double>());
   EXPECT_LE(held["errors"]["penetration_p99"], 1e-4);
   EXPECT_EQ(held["counts"]["island_bodies"], 4);
   const std::string text = run_stack({"--target", "0.1mm"}).out;
@@ -61,18 +60,18 @@ TEST(CommandTarget, WhatItIsHeldByIsTold) {
   }
 
   const TargetJson none = json_of_stack({});
-  EXPECT_FALSE(none.contains("target") || none.contains("unheld_islands"));
+  EXPECT_FALSE(none.contains("target") || none.contains("missed_targets"));
   EXPECT_EQ(run_stack({}).out.find("target"), std::string::npos);
   EXPECT_EQ(json_of_stack({"--target", "off"})["hash"], none["hash"]);
 }
 
 TEST(CommandTarget, WhatIsNotHeldIsTold) {
-  const std::vector<std::string> hopeless = {"--target", "penetration=1um", "--most-substeps", "3"};
+  const std::vector<std::string> hopeless = {"--target", "penetration=1um", "--max-substeps", "3"};
   const TargetJson json = json_of_stack(hopeless);
-  EXPECT_EQ(json["target"]["most_substeps"], 3);
-  EXPECT_GT(json["target"]["unheld_steps"], 30);
-  ASSERT_EQ(json["unheld_islands"].size(), 1u);
-  const TargetJson& island = json["unheld_islands"][0];
+  EXPECT_EQ(json["target"]["max_substeps"], 3);
+  EXPECT_GT(json["target"]["missed_steps"], 30);
+  ASSERT_EQ(json["missed_targets"].size(), 1u);
+  const TargetJson& island = json["missed_targets"][0];
   EXPECT_EQ(island["lowest_body"], 1);
   EXPECT_EQ(island["bodies"], 4);
   EXPECT_EQ(island["contacts"], 4);
@@ -95,18 +94,18 @@ TEST(CommandTarget, WhatIsNotHeldIsTold) {
 TEST(CommandTarget, WhatASceneAsksForCanBeChanged) {
   const ScratchDirectory scratch;
   const std::string scene = scratch.write("held.json", R"({"format": "atoll-scene", "version": 1, "steps": 2,
-    "settings": {"target": {"motion": 0.1, "least_substeps": 3, "most_substeps": 9}},
+    "settings": {"target": {"motion": 0.1, "min_substeps": 3, "max_substeps": 9}},
     "bodies": [{"shape": {"type": "sphere", "radius": 1}}]})");
   const auto target_with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"run", scene, "--format", "json"});
     return TargetJson::parse(run_atoll(more).out)["settings"]["target"];
   };
-  EXPECT_EQ(target_with({}), TargetJson::parse(R"({"motion": 0.1, "least_substeps": 3, "most_substeps": 9})"));
+  EXPECT_EQ(target_with({}), TargetJson::parse(R"({"motion": 0.1, "min_substeps": 3, "max_substeps": 9})"));
   EXPECT_EQ(target_with({"--target", "penetration=1mm"}),
-            TargetJson::parse(R"({"penetration": 0.001, "least_substeps": 3, "most_substeps": 9})"));
-  EXPECT_EQ(target_with({"--most-substeps", "40"})["most_substeps"], 40);
+            TargetJson::parse(R"({"penetration": 0.001, "min_substeps": 3, "max_substeps": 9})"));
+  EXPECT_EQ(target_with({"--max-substeps", "40"})["max_substeps"], 40);
   // The least number of substeps drops to the most that is allowed.
-  EXPECT_EQ(target_with({"--most-substeps", "2"})["least_substeps"], 2);
+  EXPECT_EQ(target_with({"--max-substeps", "2"})["min_substeps"], 2);
   EXPECT_EQ(target_with({"--target", "off"}), "off");
 }
 
@@ -135,8 +134,8 @@ TEST(CommandTarget, WhatMakesNoSenseIsRefused) {
     SCOPED_TRACE(refused.value);
     expect_refused(run_stack({"--target", refused.value}), 2, {"--target", refused.found, refused.expected});
   }
-  expect_refused(run_stack({"--most-substeps", "4"}), 2, {"--most-substeps: found no target", "expected --target"});
-  expect_refused(run_stack({"--target", "1mm", "--most-substeps", "0"}), 2, {"an integer in [1, 1024]"});
+  expect_refused(run_stack({"--max-substeps", "4"}), 2, {"--max-substeps: found no target", "expected --target"});
+  expect_refused(run_stack({"--target", "1mm", "--max-substeps", "0"}), 2, {"an integer in [1, 1024]"});
   expect_refused(run_stack({"--target", "1mm", "--stabilisation", "baumgarte"}), 2,
                  {"target is set with rigid stabilisation", "expected Soft"});
   expect_refused(run_stack({"--target", "1mm", "--joint-hertz", "30"}), 2, {"target.joint_gap", "joint_hertz"});

@@ -99,7 +99,7 @@ TEST(CommandTune, WhatNothingHoldsEndsWithTheBestThatThereIs) {
   EXPECT_EQ(json.status, 1);
   const TuneJson found = TuneJson::parse(json.out);
   EXPECT_TRUE(found["settings"].is_null() && found["cheapest"].is_null());
-  EXPECT_TRUE(found["most_exact"].is_number());
+  EXPECT_TRUE(found["smallest_error"].is_number());
 }
 
 TEST(CommandTune, WhatASceneAimsAtIsLeftOut) {

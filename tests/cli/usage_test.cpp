@@ -29,7 +29,7 @@ TEST(CommandUsage, HelpOfRunHasEveryOption) {
                            "--threads",
                            "--substeps",
                            "--target ERROR",
-                           "--most-substeps",
+                           "--max-substeps",
                            "--iterations",
                            "--relax-iterations",
                            "--friction cone|pyramid",

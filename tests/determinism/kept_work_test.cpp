@@ -53,7 +53,7 @@ std::vector<std::uint64_t> run_sleepers(int threads) {
   def.type = BodyType::Kinematic;
   const BodyId ram = world.add_body(def);
   std::vector<std::uint64_t> hashes;
-  std::int64_t most_asleep = 0;
+  std::int64_t max_asleep = 0;
   for (int i = 0; i < 300; ++i) {
     if (i == 80) world.add_body(sphere({5, 5, 8}));
     if (i == 90) world.wake(stacks[13][2]);
@@ -61,10 +61,10 @@ std::vector<std::uint64_t> run_sleepers(int threads) {
     if (i == 110) world.remove_body(stacks[44][0]);
     if (i == 120) world.set_velocity(ram, {2, 0, 0}, Vector3::Zero());
     if (i == 240) world.set_velocity(ram, Vector3::Zero(), Vector3::Zero());
-    most_asleep = std::max(most_asleep, world.step(dt).counts.asleep);
+    max_asleep = std::max(max_asleep, world.step(dt).counts.asleep);
     hashes.push_back(world.state_hash());
   }
-  EXPECT_GT(most_asleep, 150);
+  EXPECT_GT(max_asleep, 150);
   return hashes;
 }
 

@@ -160,8 +160,8 @@ void roll_back(const std::string& text, std::uint64_t seed) {
 class RollbackTest : public testing::TestWithParam<std::string> {};
 
 TEST_P(RollbackTest, GoesOnAsSaved) {
-  const std::uint64_t most = long_tests() ? 25 : 8;
-  for (std::uint64_t seed = 1; seed <= most; ++seed) {
+  const std::uint64_t max = long_tests() ? 25 : 8;
+  for (std::uint64_t seed = 1; seed <= max; ++seed) {
     roll_back(GetParam(), seed);
     if (HasFatalFailure() || HasNonfatalFailure()) return;
   }

@@ -57,7 +57,7 @@ class Run {
             "reset", [&] { batch_.reset(places_); }, [&](std::size_t i) { alone_[i].restore(starts_[i]); });
       case 3:
         return both(
-            "keep_start", [&] { batch_.keep_start(places_); }, [&](std::size_t i) { alone_[i].save(starts_[i]); });
+            "save_start", [&] { batch_.save_start(places_); }, [&](std::size_t i) { alone_[i].save(starts_[i]); });
       default:
         return step();
     }

@@ -15,7 +15,7 @@ namespace atl::fuzz {
 namespace {
 
 // Requires queries for one body to agree with those for many bodies, and with its definition.
-void check_told_twice(const World& world, BodyId id) {
+void check_both_ways(const World& world, BodyId id) {
   const BodyDef def = world.definition(id);
   const BodyState state = world.state(id);
   const Pose pose = world.pose(id);
@@ -54,7 +54,7 @@ void check_body(const World& world, BodyId id) {
   require_finite(world.velocity(id), "a velocity");
   require_finite(world.angular_velocity(id), "an angular velocity");
   require(world.mass(id) > 0, "a mass is not positive");
-  check_told_twice(world, id);
+  check_both_ways(world, id);
   if (world.type(id) != BodyType::Dynamic) return;
   const MotionLocks locks = world.definition(id).locks;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -80,9 +80,9 @@ void check_joint(const World& world, JointId id) {
 
 // Each contact force must be listed for both of its bodies; without the setting, asking for events must be refused.
 void check_contacts(const World& world, const std::vector<BodyId>& bodies) {
-  std::size_t told = 0;
-  for (const BodyId id : bodies) told += world.contact_forces(id).size();
-  require(told == 2 * world.contact_forces().size(), "contact forces of bodies are not those of the world");
+  std::size_t forces = 0;
+  for (const BodyId id : bodies) forces += world.contact_forces(id).size();
+  require(forces == 2 * world.contact_forces().size(), "contact forces of bodies are not those of the world");
   if (!world.settings().contact_events) {
     require_refused("contact_events() without the setting", [&] { world.contact_events(); });
   }
@@ -146,7 +146,7 @@ void check_world(const World& world) {
   for (const Quarantined& out : world.quarantined()) {
     require(world.contains(out.id) && world.is_quarantined(out.id), "quarantined() tells of a body that is not");
   }
-  for (const UnheldIsland& island : world.unheld_islands()) {
+  for (const MissedTarget& island : world.missed_targets()) {
     require(island.measured > 0 && island.substeps >= 1 && island.substeps <= 1024, "an island is unheld by no error");
     require(island.bodies > 0 && island.contacts + island.joints > 0, "an unheld island is none");
   }
@@ -203,7 +203,7 @@ void check_same_results(const World& a, const World& b) {
               [](const SleepEvent& x, const SleepEvent& y) { return x.body == y.body && x.asleep == y.asleep; }),
           "sleep events differ");
   require(a.joint_events().size() == b.joint_events().size(), "joint events differ");
-  require(a.selected_solves().size() == b.selected_solves().size(), "selected solves differ");
+  require(a.solver_choices().size() == b.solver_choices().size(), "selected solves differ");
   const std::span<const ContactForce> first = a.contact_forces(), second = b.contact_forces();
   require(std::equal(first.begin(), first.end(), second.begin(), second.end(),
                      [](const ContactForce& x, const ContactForce& y) {
@@ -228,10 +228,10 @@ void check_same_reports(const StepReport& a, const StepReport& b) {
   require_same(a.counts.unsolved_islands, b.counts.unsolved_islands, "unsolved_islands");
   require_same(a.counts.refused_islands, b.counts.refused_islands, "refused_islands");
   require_same(a.counts.discarded_iterations, b.counts.discarded_iterations, "discarded_iterations");
-  require_same(a.counts.unheld_islands, b.counts.unheld_islands, "unheld_islands");
+  require_same(a.counts.missed_targets, b.counts.missed_targets, "missed_targets");
   require_same(a.counts.body_substeps, b.counts.body_substeps, "body_substeps");
   require_same(a.counts.island_bodies, b.counts.island_bodies, "island_bodies");
-  require_same(a.counts.most_substeps, b.counts.most_substeps, "most_substeps");
+  require_same(a.counts.max_substeps, b.counts.max_substeps, "max_substeps");
   require_same(a.counts.newton_iterations, b.counts.newton_iterations, "newton_iterations");
   require_same(a.counts.fcl_calls, b.counts.fcl_calls, "fcl_calls");
   require_same(a.counts.asleep, b.counts.asleep, "asleep");

@@ -132,7 +132,7 @@ void check_motion(const Pair& pair, fuzz::Bytes& bytes) {
     if (def.type == BodyType::Dynamic) mass += world.mass(id);
   }
   const double pushed = 0.5 * mass * std::pow(world.settings().contact_push_speed, 2);
-  const double most = (1 + 1e-6) * test::motion_of(world).kinetic + (overlap_of(pair) > 0 ? pushed : 1e-9 * pushed);
+  const double max = (1 + 1e-6) * test::motion_of(world).kinetic + (overlap_of(pair) > 0 ? pushed : 1e-9 * pushed);
   for (int i = 0; i < 6; ++i) {
     const MotionReport before = test::motion_of(world);
     fuzz::require(world.step(1.0 / 60).quarantined == 0, "a body breaks");
@@ -144,8 +144,8 @@ void check_motion(const Pair& pair, fuzz::Bytes& bytes) {
       const double arm = 0.02 + 2 * speed / 60;
       fuzz::require_same_momentum(before, after, 1e-5 * mass * speed, arm * mass * speed);
     }
-    fuzz::require(after.kinetic <= most,
-                  "contacts make energy: " + std::to_string(after.kinetic) + " J, at most " + std::to_string(most));
+    fuzz::require(after.kinetic <= max,
+                  "contacts make energy: " + std::to_string(after.kinetic) + " J, at most " + std::to_string(max));
   }
 }
 

@@ -8,14 +8,14 @@
 namespace atl::fuzz {
 
 double Definitions::number(double lower, double upper) {
-  if (!usual() && bytes_.one_in(12)) return bytes_.any();
+  if (!has_normal_numbers() && bytes_.one_in(12)) return bytes_.any();
   return bytes_.within(lower, upper);
 }
 
 int Definitions::integer(int lower, int upper) {
   constexpr std::array<int, 8> wrong = {
       0, -1, 1025, 1 << 20, 1 << 30, std::numeric_limits<int>::max(), std::numeric_limits<int>::min(), -7};
-  if (!usual() && bytes_.one_in(12)) return wrong[bytes_.below(wrong.size())];
+  if (!has_normal_numbers() && bytes_.one_in(12)) return wrong[bytes_.below(wrong.size())];
   return lower + static_cast<int>(bytes_.below(static_cast<std::size_t>(upper - lower + 1)));
 }
 
@@ -30,7 +30,7 @@ Quaternion Definitions::orientation() {
   if (bytes_.flag()) return Quaternion::Identity();
   Quaternion turn;
   for (double& x : turn.coeffs()) x = number(-1, 1);
-  if (usual() && turn.norm() < 0.01) return Quaternion::Identity();
+  if (has_normal_numbers() && turn.norm() < 0.01) return Quaternion::Identity();
   return turn;
 }
 
@@ -38,14 +38,14 @@ std::string Definitions::name() {
   if (bytes_.flag()) return {};
   std::string name;
   for (std::uint32_t left = bytes_.below(5); left > 0; --left) {
-    name += usual() ? static_cast<char>('a' + bytes_.below(3)) : static_cast<char>(bytes_.byte());
+    name += has_normal_numbers() ? static_cast<char>('a' + bytes_.below(3)) : static_cast<char>(bytes_.byte());
   }
   return name;
 }
 
 ConvexHull Definitions::hull() {
   std::vector<Vector3> points;
-  if (usual()) {
+  if (has_normal_numbers()) {
     for (const double x : {-1, 1}) points.push_back({0.2 * x, 0.1, -0.2});
     points.push_back({0, -0.3, -0.2});
     points.push_back({0, 0, 0.3});
@@ -73,7 +73,7 @@ TriangleMesh Definitions::mesh() {
       triangles.push_back({corner, corner + side + 1, corner + side});
     }
   }
-  if (!usual() && bytes_.one_in(4)) {
+  if (!has_normal_numbers() && bytes_.one_in(4)) {
     triangles[bytes_.below(triangles.size())][bytes_.below(3)] =
         bytes_.flag() ? bytes_.below(20) : bytes_.bits<std::uint32_t>();
   }
@@ -84,7 +84,8 @@ TriangleMesh Definitions::mesh() {
 HeightField Definitions::height_field() {
   const auto columns = static_cast<std::uint32_t>(integer(2, 5));
   const auto rows = static_cast<std::uint32_t>(integer(2, 5));
-  std::vector<double> heights(usual() || !bytes_.one_in(8) ? std::uint64_t{columns} * rows % 64 : bytes_.below(64));
+  std::vector<double> heights(has_normal_numbers() || !bytes_.one_in(8) ? std::uint64_t{columns} * rows % 64
+                                                                        : bytes_.below(64));
   for (double& height : heights) height = number(-0.3, 0.3);
   const double spacing_x = number(0.5, 2);
   const double spacing_y = number(0.5, 2);
@@ -129,7 +130,7 @@ Compound Definitions::compound() {
 }
 
 Shape Definitions::shape(BodyType type) {
-  const bool may_be_surface = type != BodyType::Dynamic || (!usual() && bytes_.one_in(16));
+  const bool may_be_surface = type != BodyType::Dynamic || (!has_normal_numbers() && bytes_.one_in(16));
   if (may_be_surface && bytes_.flag()) {
     switch (bytes_.below(3)) {
       case 0: {
@@ -187,7 +188,7 @@ BodyDef Definitions::body() {
   def.position = vector(2);
   if (def.type == BodyType::Dynamic) def.position.z() += 2;
   def.orientation = orientation();
-  if (def.type != BodyType::Static || (!usual() && bytes_.one_in(8))) {
+  if (def.type != BodyType::Static || (!has_normal_numbers() && bytes_.one_in(8))) {
     if (bytes_.flag()) def.velocity = vector(bytes_.one_in(6) ? 100 : 4);
     if (bytes_.one_in(3)) def.angular_velocity = vector(bytes_.one_in(6) ? 60 : 4);
   }
@@ -196,7 +197,7 @@ BodyDef Definitions::body() {
   if (def.mass && bytes_.one_in(3)) {
     const double moment = number(0.5, 1) * *def.mass;
     def.inertia = Vector3(moment, number(0.7, 1) * moment, moment).asDiagonal();
-    if (!usual() && bytes_.flag()) def.inertia->coeffRef(bytes_.below(3), 0) = number(-1, 1);
+    if (!has_normal_numbers() && bytes_.flag()) def.inertia->coeffRef(bytes_.below(3), 0) = number(-1, 1);
   }
   if (bytes_.flag()) def.material = material();
   if (bytes_.one_in(6)) def.surface_velocity = vector(2);
@@ -224,7 +225,7 @@ BodyDef Definitions::body() {
   const bool is_solid = !std::holds_alternative<HalfSpace>(def.shape) &&
                         !std::holds_alternative<TriangleMesh>(def.shape) &&
                         !std::holds_alternative<HeightField>(def.shape);
-  if (usual() && !is_solid) def.sensor = false;
+  if (has_normal_numbers() && !is_solid) def.sensor = false;
   def.name = name();
   def.user_data = bytes_.byte();
   return def;
@@ -250,7 +251,7 @@ JointAxis Definitions::axis(bool angle) {
       motor.servo = JointServo{
           .target = number(-reach, reach), .stiffness = number(1, 1e4), .damping = bytes_.flag() ? number(0, 100) : 0};
     }
-    if (!usual() && bytes_.one_in(8)) motor.max_force.reset();
+    if (!has_normal_numbers() && bytes_.one_in(8)) motor.max_force.reset();
     axis.motor = motor;
   }
   if (bytes_.one_in(8)) axis.armature = number(0, 2);
@@ -343,9 +344,9 @@ Settings Definitions::with_target(Settings settings) {
   if (limited & 2) target.joint_gap = number(1e-5, 0.01);
   if (limited & 4) target.residual = number(1e-3, 0.1);
   if (limited & 8) target.motion = number(1e-4, 0.1);
-  target.least_substeps = integer(1, 4);
-  target.most_substeps = integer(4, 24);
-  if (usual() || !bytes_.one_in(8)) give_way_to_target(settings);
+  target.min_substeps = integer(1, 4);
+  target.max_substeps = integer(4, 24);
+  if (has_normal_numbers() || !bytes_.one_in(8)) give_way_to_target(settings);
   return settings;
 }
 
@@ -444,7 +445,7 @@ ShapeCast Definitions::shape_cast() {
 Ray Definitions::ray() {
   Ray ray{.origin = vector(4)};
   ray.direction = vector(1);
-  if (usual() && ray.direction.norm() < 0.01) ray.direction = {0, 0, -1};
+  if (has_normal_numbers() && ray.direction.norm() < 0.01) ray.direction = {0, 0, -1};
   if (bytes_.flag()) ray.max_distance = number(0, 10);
   ray.both_sides = bytes_.flag();
   return ray;

@@ -23,7 +23,7 @@ class Definitions {
  public:
   Definitions(Bytes& bytes, Numbers numbers) : bytes_(bytes), numbers_(numbers) {}
 
-  bool usual() const { return numbers_ == Numbers::Usual; }
+  bool has_normal_numbers() const { return numbers_ == Numbers::Usual; }
 
   /// In [lower, upper], or any.
   double number(double lower, double upper);

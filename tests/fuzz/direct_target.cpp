@@ -54,7 +54,7 @@ Couplings otherwise(Couplings couplings) {
 
 void check_order(const Graph& graph) {
   const std::size_t nodes = graph.sizes.size();
-  const solver::EliminationOrder found = solver::least_degree_order(nodes, graph.couplings);
+  const solver::EliminationOrder found = solver::min_degree_order(nodes, graph.couplings);
   std::vector<std::uint32_t> sorted = found.order, all(nodes);
   std::sort(sorted.begin(), sorted.end());
   std::iota(all.begin(), all.end(), 0);
@@ -76,10 +76,10 @@ void check_order(const Graph& graph) {
     }
   }
   const std::size_t fill = found.later.size();
-  fuzz::require(solver::least_degree_order(nodes, otherwise(graph.couplings)).order == found.order,
+  fuzz::require(solver::min_degree_order(nodes, otherwise(graph.couplings)).order == found.order,
                 "an order of elimination depends on how couplings are given");
-  fuzz::require(solver::least_degree_order(nodes, graph.couplings, fill).order == found.order &&
-                    (fill == 0 || solver::least_degree_order(nodes, graph.couplings, fill - 1).order.empty()),
+  fuzz::require(solver::min_degree_order(nodes, graph.couplings, fill).order == found.order &&
+                    (fill == 0 || solver::min_degree_order(nodes, graph.couplings, fill - 1).order.empty()),
                 "fill is limited to another number than what is asked for");
 }
 

@@ -76,9 +76,9 @@ void mutate(Input& input, const std::vector<Input>& all, std::mt19937& random) {
 // In the target's own way every other time.
 void change(Input& input, const std::vector<Input>& all, std::mt19937& random) {
   if (LLVMFuzzerCustomMutator == nullptr || random() % 2 == 0) return mutate(input, all, random);
-  const std::size_t size = input.size(), most = size + 256;
-  input.resize(most);
-  input.resize(LLVMFuzzerCustomMutator(input.data(), size, most, random()));
+  const std::size_t size = input.size(), max = size + 256;
+  input.resize(max);
+  input.resize(LLVMFuzzerCustomMutator(input.data(), size, max, random()));
 }
 
 void run(const Input& input) { LLVMFuzzerTestOneInput(input.data(), input.size()); }

@@ -105,9 +105,9 @@ void check_motors(const World& world, JointId id) {
   for (std::size_t i = 0; i < state.motor.size(); ++i) {
     const JointAxis* const axis = axis_of(world, id, i);
     if (axis == nullptr) continue;
-    const double most = axis->motor ? *axis->motor->max_force : 0;
-    fuzz::require(std::abs(state.motor[i]) <= most * (1 + 1e-6),
-                  "a motor of " + std::to_string(most) + " N exerts " + std::to_string(state.motor[i]));
+    const double max = axis->motor ? *axis->motor->max_force : 0;
+    fuzz::require(std::abs(state.motor[i]) <= max * (1 + 1e-6),
+                  "a motor of " + std::to_string(max) + " N exerts " + std::to_string(state.motor[i]));
   }
 }
 

@@ -43,7 +43,7 @@ void Run::step(const char* name, const std::function<StepReport(World& world)>& 
 
 double Run::time_step() {
   if (!bytes.one_in(8)) return 1.0 / 60;
-  return definitions.usual() ? definitions.number(0.001, 0.05) : definitions.number(1e-4, 1);
+  return definitions.has_normal_numbers() ? definitions.number(0.001, 0.05) : definitions.number(1e-4, 1);
 }
 
 BodyId Run::body() {
@@ -272,7 +272,7 @@ void change_settings(Run& run) {
 
 void change_gravity(Run& run) {
   if (run.bytes.one_in(4)) {
-    const auto number = [&](double most) { return run.definitions.number(0, most); };
+    const auto number = [&](double max) { return run.definitions.number(0, max); };
     const MaterialPair pair{1, 1 + run.bytes.below(2), number(1.2), number(1.2), number(1)};
     run.call("set_material_pair", [&](World& world, std::size_t) { world.set_material_pair(pair); });
   }

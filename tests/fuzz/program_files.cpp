@@ -76,7 +76,7 @@ void write_as_scene(Run& run) {
   const World& world = run.worlds.first();
   if (world.body_count() == 0 || has_closed_distance(world)) return;  // of which there are no scene files
   const std::optional<std::string> written = chosen([&] { return scene_text(scene_of(world)); });
-  require(written || !run.definitions.usual(), "a world can't be written as a scene file");
+  require(written || !run.definitions.has_normal_numbers(), "a world can't be written as a scene file");
   if (!written) return;
   const std::string& text = *written;
   const Scene scene = parse_scene(text, "scene_of");

@@ -68,7 +68,7 @@ void keep_views(Run& run) {
 
 void look_at_views(const Run& run) {
   for (const View& view : run.views) {
-    require(view.allFinite() || !run.definitions.usual(), "a view tells what never was");
+    require(view.allFinite() || !run.definitions.has_normal_numbers(), "a view tells what never was");
   }
 }
 
@@ -94,7 +94,7 @@ void make_a_world(Run& run) {
                      .threads = run.definitions.integer(1, 2),
                      .settings = run.definitions.settings(run.worlds.first().settings())};
   const std::optional<World> made = chosen([&] { return World(def); });
-  require(made || !run.definitions.usual(), "a usual world is refused");
+  require(made || !run.definitions.has_normal_numbers(), "a usual world is refused");
   if (!made) return;
   require(made->threads() == def.threads && made->gravity() == def.gravity && made->body_count() == 0,
           "a world is not as it was asked for");
@@ -216,8 +216,8 @@ void break_and_release(Run& run) {
   const int before = run.result.steps;
   run.step("step", [](World& of) { return of.step(1.0 / 60); });
   const BodyDef def = world.definition(id);
-  const bool is_free =
-      def.type == BodyType::Dynamic && def.locks == MotionLocks{} && world.is_enabled(id) && run.definitions.usual();
+  const bool is_free = def.type == BodyType::Dynamic && def.locks == MotionLocks{} && world.is_enabled(id) &&
+                       run.definitions.has_normal_numbers();
   require(!is_free || run.result.steps == before || world.is_quarantined(id),
           "a body stays that no world goes on with");
   if (!world.is_quarantined(id) || run.bytes.one_in(4)) return;
@@ -230,7 +230,8 @@ void break_and_release(Run& run) {
   run.call("set_surface_velocity", [&](World& of, std::size_t) { of.set_surface_velocity(id, {0, 0, 0}); });
   run.call("set_velocity", [&](World& of, std::size_t) { of.set_velocity(id, {0, 0, 0}, {0, 0, 0}); });
   const std::string refused = run.call("release", [&](World& of, std::size_t) { of.release(id); });
-  require(refused.empty() || !run.definitions.usual(), "a body that was put back is not released: " + refused);
+  require(refused.empty() || !run.definitions.has_normal_numbers(),
+          "a body that was put back is not released: " + refused);
   require(world.is_quarantined(id) != refused.empty(), "a body that is released is still in quarantine");
 }
 

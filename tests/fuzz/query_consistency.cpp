@@ -91,7 +91,7 @@ void require_finite_hits(const Hits& hits) {
   }
 }
 
-void check_rays(std::span<const World> worlds, const Ray& ray, bool usual) {
+void check_rays(std::span<const World> worlds, const Ray& ray, bool has_normal_numbers) {
   const std::optional<RayHit> first = Queries(worlds.front()).cast_ray(ray);
   for (const World& world : worlds) {
     require(agree(Queries(world).cast_ray(ray), first), "cast_ray differs between worlds");
@@ -101,12 +101,12 @@ void check_rays(std::span<const World> worlds, const Ray& ray, bool usual) {
   require_finite_hits(all);
   require(agree(first, all.empty() ? std::nullopt : std::optional(all.front())),
           "cast_ray is at odds with cast_ray_through");
-  if (!usual || !all_solid(worlds.front())) return;
+  if (!has_normal_numbers || !all_solid(worlds.front())) return;
   require_nearest(first, nearest_alone(worlds.front(), [&](const Queries& one) { return one.cast_ray(ray); }), 1e-6,
                   "cast_ray");
 }
 
-void check_casts(std::span<const World> worlds, const ShapeCast& cast, bool usual) {
+void check_casts(std::span<const World> worlds, const ShapeCast& cast, bool has_normal_numbers) {
   const std::optional<ShapeHit> first = Queries(worlds.front()).cast_shape(cast);
   for (const World& world : worlds) {
     require(agree(Queries(world).cast_shape(cast), first), "cast_shape differs between worlds");
@@ -116,15 +116,16 @@ void check_casts(std::span<const World> worlds, const ShapeCast& cast, bool usua
   // Against what is 1e12 m long distances are known to meters, and what else is met at once decides whether it is
   // asked.
   const auto is_first = [&](const ShapeHit& hit) { return agree(first, std::optional(hit)); };
-  require(usual ? agree(first, all.empty() ? std::nullopt : std::optional(all.front()))
-                : first.has_value() == !all.empty() && (!first || std::any_of(all.begin(), all.end(), is_first)),
+  require(has_normal_numbers
+              ? agree(first, all.empty() ? std::nullopt : std::optional(all.front()))
+              : first.has_value() == !all.empty() && (!first || std::any_of(all.begin(), all.end(), is_first)),
           "cast_shape is at odds with cast_shape_through");
-  if (!usual || !all_solid(worlds.front())) return;
+  if (!has_normal_numbers || !all_solid(worlds.front())) return;
   require_nearest(first, nearest_alone(worlds.front(), [&](const Queries& one) { return one.cast_shape(cast); }), 1e-5,
                   "cast_shape");
 }
 
-void check_places(std::span<const World> worlds, const QueryShape& query, double reach, bool usual) {
+void check_places(std::span<const World> worlds, const QueryShape& query, double reach, bool has_normal_numbers) {
   const std::vector<BodyId> found = Queries(worlds.front()).overlapping(query);
   const std::optional<ClosestPoint> closest = Queries(worlds.front()).closest_point(query, reach);
   for (const World& world : worlds) {
@@ -134,7 +135,7 @@ void check_places(std::span<const World> worlds, const QueryShape& query, double
   if (closest) {
     require_finite(closest->distance, "a closest point's distance");
     // Rounding may say of what is 1e30 m long that it is touched.
-    const bool is_rounding = !usual && closest->distance == 0;
+    const bool is_rounding = !has_normal_numbers && closest->distance == 0;
     require(is_rounding || (closest->distance <= 0) == !found.empty(), "closest_point is at odds with overlapping");
     require(closest->distance <= reach, "a closest point is out of reach");
     require_finite(closest->on_body, "a closest point");
@@ -143,7 +144,7 @@ void check_places(std::span<const World> worlds, const QueryShape& query, double
   const std::vector<ClosestPoint> near = Queries(worlds.front()).nearby(query, reach);
   require(agree(closest, near.empty() ? std::nullopt : std::optional(near.front())),
           "closest_point is at odds with nearby");
-  if (!usual || !all_solid(worlds.front())) return;
+  if (!has_normal_numbers || !all_solid(worlds.front())) return;
   check_overlaps(worlds.front(), query, found);
   require_nearest(closest,
                   nearest_alone(worlds.front(), [&](const Queries& one) { return one.closest_point(query, reach); }),
@@ -153,20 +154,20 @@ void check_places(std::span<const World> worlds, const QueryShape& query, double
 }  // namespace
 
 void check_queries(std::span<const World> worlds, Definitions& definitions, Bytes& bytes) {
-  const bool usual = definitions.usual();
+  const bool has_normal_numbers = definitions.has_normal_numbers();
   try {
     switch (bytes.below(3)) {
       case 0:
-        return check_rays(worlds, definitions.ray(), usual);
+        return check_rays(worlds, definitions.ray(), has_normal_numbers);
       case 1:
-        return check_casts(worlds, definitions.shape_cast(), usual);
+        return check_casts(worlds, definitions.shape_cast(), has_normal_numbers);
       default: {
         const QueryShape query = definitions.query_shape();
-        return check_places(worlds, query, definitions.number(0, 5), usual);
+        return check_places(worlds, query, definitions.number(0, 5), has_normal_numbers);
       }
     }
   } catch (const Error& error) {
-    require(!usual, std::string("a query is refused: ") + error.what());
+    require(!has_normal_numbers, std::string("a query is refused: ") + error.what());
   }
 }
 
@@ -284,7 +285,7 @@ void check_filtered_queries(std::span<const World> worlds, Definitions& definiti
     if (bytes.flag()) return check_filtered(worlds.back(), definitions.ray(), bytes);
     check_batches(worlds.back(), definitions, bytes);
   } catch (const Error& error) {
-    require(!definitions.usual(), std::string("a query is refused: ") + error.what());
+    require(!definitions.has_normal_numbers(), std::string("a query is refused: ") + error.what());
   }
 }
 

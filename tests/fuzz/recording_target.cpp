@@ -2,7 +2,7 @@
 // against themselves and each other.
 
 #include <atoll/error.h>
-#include <atoll/parting.h>
+#include <atoll/first_difference.h>
 #include <atoll/playback.h>
 #include <atoll/recording.h>
 #include <atoll/world.h>
@@ -27,11 +27,11 @@ namespace {
 using namespace atl;
 
 // A replay has no end that an input could not put off: so many steps are enough.
-constexpr std::int64_t most_steps = 40;
+constexpr std::int64_t max_steps = 40;
 struct Enough {};
 
 void stop_at(std::int64_t steps, std::int64_t) {
-  if (steps >= most_steps) throw Enough{};
+  if (steps >= max_steps) throw Enough{};
 }
 
 using fuzz::next_recording;
@@ -40,7 +40,7 @@ using fuzz::whole_file;
 // Whatever order its steps are looked at in, and whatever memory there is for it, each is the same.
 void go_through(const std::string& path, std::size_t key_frame_bytes) {
   Playback opened(path, {.key_frame_bytes = key_frame_bytes});
-  if (opened.steps() > most_steps) return;
+  if (opened.steps() > max_steps) return;
   Playback playback = std::move(opened);
   std::vector<std::uint64_t> hashes = {playback.world().state_hash()};
   while (playback.advance()) {
@@ -65,18 +65,19 @@ void go_through(const std::string& path, std::size_t key_frame_bytes) {
 
 // The one parts from the other where that does from it, and neither from itself.
 void part(const std::string& first, const std::string& second) {
-  const PartingResult found = find_parting(first, second), back = find_parting(second, first);
-  fuzz::require(found.steps == back.steps && found.parting.has_value() == back.parting.has_value(),
+  const FirstDifferenceResult found = find_first_difference(first, second), back = find_first_difference(second, first);
+  fuzz::require(found.steps == back.steps && found.difference.has_value() == back.difference.has_value(),
                 "recordings part in one order alone");
-  if (found.parting) {
-    const Parting &parting = *found.parting, &its = *back.parting;
-    fuzz::require(parting.step >= 1 && parting.step <= found.steps, "recordings part in a step that neither has");
-    fuzz::require(parting.step == its.step && parting.by_calls == its.by_calls && parting.phase == its.phase &&
-                      parting.bodies_step == its.bodies_step && parting.bodies.size() == its.bodies.size(),
+  if (found.difference) {
+    const FirstDifference &difference = *found.difference, &its = *back.difference;
+    fuzz::require(difference.step >= 1 && difference.step <= found.steps, "recordings part in a step that neither has");
+    fuzz::require(difference.step == its.step && difference.by_calls == its.by_calls && difference.phase == its.phase &&
+                      difference.bodies_step == its.bodies_step && difference.bodies.size() == its.bodies.size(),
                   "recordings part otherwise in the other order");
-    fuzz::require(!parting.bodies_step || *parting.bodies_step >= parting.step, "bodies part before their worlds");
+    fuzz::require(!difference.bodies_step || *difference.bodies_step >= difference.step,
+                  "bodies part before their worlds");
   }
-  fuzz::require(!find_parting(first, first).parting, "a recording parts from itself");
+  fuzz::require(!find_first_difference(first, first).difference, "a recording parts from itself");
 }
 
 void replay_all(const std::string& path) {

@@ -61,7 +61,7 @@ void write_small_files(const fs::path& folder) {
         "joint_damping_ratio": 1, "sleeping": true, "sleep_speed": 0.1, "time_to_sleep": 0.1}, "bodies": [)" +
                        two + "]"},
       {"target", R"("settings": {"target": {"penetration": 0.001, "joint_gap": 0.001, "residual": 0.01, "motion": 0.001,
-        "least_substeps": 2, "most_substeps": 16}}, "bodies": [)" +
+        "min_substeps": 2, "max_substeps": 16}}, "bodies": [)" +
                      two + "]"},
       {"library", R"("materials": {"m": {"friction": 1, "restitution": 0.5, "rolling_friction": 0.1,
         "torsional_friction": 0.1}}, "shapes": {"s": {"type": "cone", "radius": 1, "half_height": 1}},
@@ -125,7 +125,7 @@ void write_wrong_files(const fs::path& folder) {
           ball + "}}]",
       R"("generators": [{"count": [9, 1, 1], "spacing": [1e308, 0, 0], "body": {"position": [1e308, 0, 0], )" + ball +
           "}}]",
-      R"("settings": {"target": {"least_substeps": 9, "most_substeps": 8, "motion": 1}})",
+      R"("settings": {"target": {"min_substeps": 9, "max_substeps": 8, "motion": 1}})",
       R"("settings": {"target": {"motion": 1}, "stabilisation": "baumgarte"})",
       R"("settings": {"target": {"penetration": 1}, "contact_hertz": 9})",
       R"("settings": {"target": {"joint_gap": 1}, "joint_hertz": 9})",

@@ -25,7 +25,7 @@ namespace {
 
 using namespace atl;
 
-constexpr std::size_t most_bodies = 2000;
+constexpr std::size_t max_bodies = 2000;
 
 // And no path of a file.
 bool is_name(std::string_view text) {
@@ -137,7 +137,7 @@ void measure(const Scene& scene, World& world, const std::vector<BodyId>& ids, b
 
 void run(std::string_view text) {
   const Scene scene = read(text);
-  if (scene.bodies.size() > most_bodies) return;
+  if (scene.bodies.size() > max_bodies) return;
   const Scene again = read_again(scene);
   std::vector<BodyId> ids, ids_again;
   World world = built(scene, ids), world_again = built(again, ids_again);

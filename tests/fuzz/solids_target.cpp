@@ -81,9 +81,9 @@ void check_physical(const Shape& shape) {
   const Matrix3 moments = 0.5 * mass.inertia.trace() * Matrix3::Identity() - mass.inertia;
   for (int i = 0; i < 3; ++i) {
     // No more than with all mass on two opposite sides.
-    const double most = mass.mass * sides[i] * sides[i] / 4;
-    fuzz::require(moments(i, i) >= -1e-9 * mass.inertia.trace() && moments(i, i) <= most + 1e-9 * mass.inertia.trace(),
-                  "a second moment is " + std::to_string(moments(i, i)) + ", of at most " + std::to_string(most));
+    const double max = mass.mass * sides[i] * sides[i] / 4;
+    fuzz::require(moments(i, i) >= -1e-9 * mass.inertia.trace() && moments(i, i) <= max + 1e-9 * mass.inertia.trace(),
+                  "a second moment is " + std::to_string(moments(i, i)) + ", of at most " + std::to_string(max));
   }
 }
 

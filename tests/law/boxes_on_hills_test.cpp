@@ -52,28 +52,28 @@ HeightField hill_field() {
 
 // m: how far the places of an edge are inside a box, at most.
 double edge_inside(const Vector3& tail, const Vector3& head, const Vector3& half, const Pose& box) {
-  double most = 0;
+  double max = 0;
   for (int i = 0; i <= 64; ++i) {
     const Vector3 place = tail + (head - tail) * (i / 64.0);
     const Vector3 seen = box.orientation.conjugate() * (place - box.position);
-    most = std::max(most, (half - seen.cwiseAbs()).minCoeff());
+    max = std::max(max, (half - seen.cwiseAbs()).minCoeff());
   }
-  return most;
+  return max;
 }
 
 // The same of all edges of the hills.
 double hills_inside(const Vector3& half, const Pose& box) {
-  double most = 0;
+  double max = 0;
   const int column = static_cast<int>(std::floor(box.position.x())) + cells / 2;
   const int row = static_cast<int>(std::floor(box.position.y())) + cells / 2;
   for (int j = std::max(0, row - 1); j <= std::min(cells - 1, row + 1); ++j) {
     for (int i = std::max(0, column - 1); i <= std::min(cells - 1, column + 1); ++i) {
       for (const auto& [across, along] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
-        most = std::max(most, edge_inside(sample(i, j), sample(i + across, j + along), half, box));
+        max = std::max(max, edge_inside(sample(i, j), sample(i + across, j + along), half, box));
       }
     }
   }
-  return most;
+  return max;
 }
 
 class BoxesOnHills : public testing::TestWithParam<bool> {};

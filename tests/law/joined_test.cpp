@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "support/joined_run.h"
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 
 namespace atl::test {
 namespace {
@@ -129,7 +129,7 @@ TEST(Joined, AHingedRodLeansOnAWall) {
   const BodyId id = world.add_body(rod);
   const Vector3 tip = 2 * half * up;
   const BodyId wall = world.add_body(static_box({tip.x() - 0.05 - 0.5, 0, tip.z()}, {0.5, 1, 1}));
-  const Quaternion about_y = least_turn(Vector3::UnitX(), Vector3::UnitY());
+  const Quaternion about_y = min_turn(Vector3::UnitX(), Vector3::UnitY());
   const JointId hinge = world.add_joint({.kind = HingeJoint{},
                                          .first = foot,
                                          .second = id,
@@ -152,7 +152,7 @@ TEST(Joined, WhatIsStruckLosesEnergyToItsJoints) {
   const BodyId inner = world.add_body(rod);
   rod.position.x() = 1.5;
   const BodyId outer = world.add_body(rod);
-  const Quaternion upright = least_turn(Vector3::UnitX(), Vector3::UnitZ());
+  const Quaternion upright = min_turn(Vector3::UnitX(), Vector3::UnitZ());
   const auto hinge = [&](BodyId first, double first_x, BodyId second) {
     world.add_joint({.kind = HingeJoint{},
                      .first = first,

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "support/bodies.h"
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 
 namespace atl::test {
 namespace {
@@ -234,7 +234,7 @@ std::vector<double> run_pair(const Pair& pair, Way way, int substeps) {
     if (i == 1) def.angular_velocity = pair.spin;
     ids.push_back(world.add_body(def));
   }
-  const Quaternion frame = least_turn(Vector3::UnitX(), pair.axis);
+  const Quaternion frame = min_turn(Vector3::UnitX(), pair.axis);
   const bool apart = std::holds_alternative<DistanceJoint>(pair.kind);
   const Vector3 first = {apart ? 0 : pair.distance / 2, 0, 0}, second = {apart ? 0 : -pair.distance / 2, 0, 0};
   world.add_joint({.kind = pair.kind,

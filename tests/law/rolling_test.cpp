@@ -74,8 +74,8 @@ void expect_steady_swings(const std::string& name, const Shape& shape, const Qua
   for (int step = 0; step < std::lround(swings * 2 * std::numbers::pi / w / dt); ++step) world.step(dt);
   const Vector3 up = world.pose(body).orientation * frame.conjugate() * Vector3::UnitZ();
   const double lean = std::atan2(-up.y(), up.z()), rate = world.angular_velocity(body).x();
-  const double most = std::hypot(lean, rate / w);
-  EXPECT_NEAR(most / start, 1, 0.01) << name << ", dt " << dt;
+  const double max = std::hypot(lean, rate / w);
+  EXPECT_NEAR(max / start, 1, 0.01) << name << ", dt " << dt;
   // The phase after 63 rad; the finite width of the swing accounts for some hundredths of the error.
   EXPECT_NEAR(std::atan2(rate / w, lean), 0, 0.1) << name << ", dt " << dt;
 }

@@ -136,18 +136,18 @@ TEST_P(ServoLaw, AServoGivesNoMoreThanItsLimit) {
       world.add_joint(joint_at(world, hinge, links.back(), link, {0.2 * i, 0, 0.3}, axis));
       links.push_back(link);
     }
-    double before = 0, most = 0;
+    double before = 0, max = 0;
     for (int i = 1; i <= 360; ++i) {
       const double phase = 2.7 / 1.2 * i * dt;
       world.set_servo_target(pan, 1.2 * std::sin(phase));
       world.set_motor_speed(pan, 2.7 * std::cos(phase));
       world.step(dt);
       const double now = momentum_about_z(world, links);
-      most = std::max(most, std::abs(now - before) / dt);
+      max = std::max(max, std::abs(now - before) / dt);
       before = now;
     }
-    EXPECT_LT(most, 1.02 * limit);
-    EXPECT_GT(most, 0.3 * limit);
+    EXPECT_LT(max, 1.02 * limit);
+    EXPECT_GT(max, 0.3 * limit);
   }
 }
 

@@ -184,13 +184,13 @@ TEST(SmoothSolids, TriaxialEllipsoidsGainNoEnergy) {
           {.shape = shape, .position = {0, 0, height}, .orientation = turn, .material = {.friction = 1}});
       const double rest = world.mass(body) * g * shape.half_axes.minCoeff();
       const double before = energy(world, body, shape) - rest;
-      double most = 0;
+      double max = 0;
       for (int i = 0; i < 10 / step; ++i) {
         world.step(step);
-        most = std::max(most, energy(world, body, shape) - rest);
+        max = std::max(max, energy(world, body, shape) - rest);
       }
       const std::string what = "dt " + std::to_string(step) + ", solver " + std::to_string(static_cast<int>(contacts));
-      EXPECT_LT(most / before, 1.01) << what;
+      EXPECT_LT(max / before, 1.01) << what;
       if (contacts == ContactSolver::Iterative) {
         EXPECT_GT((energy(world, body, shape) - rest) / before, 0.8) << what;
       }

@@ -47,7 +47,7 @@ TEST(GivenSubsteps, MoveAsIfTheyWereAskedFor) {
     Settings given = asked;
     asked.substeps = 8;
     given.substeps = 4;
-    given.target = {.joint_gap = 1, .least_substeps = 8, .most_substeps = 8};
+    given.target = {.joint_gap = 1, .min_substeps = 8, .max_substeps = 8};
     SceneRun first(scene, {.settings = asked}), second(scene, {.settings = given});
     for (int step = 0; step < 90; ++step) {
       first.world.step(first.scene.dt);

@@ -17,7 +17,7 @@ def thrown(worlds: int, threads: int) -> atoll.Batch:
     velocities = np.zeros((worlds, len(batch.bodies), 3))
     velocities[:, -1, 0] = np.arange(worlds) % 5
     batch.set_velocities(velocities, np.zeros_like(velocities))
-    batch.keep_start()
+    batch.save_start()
     return batch
 
 
@@ -65,7 +65,7 @@ def test_single_worlds_can_be_changed_and_start_from_there() -> None:
     for place, world in enumerate(batch):
         world.gravity = [0, 0, -1 - place]
         world.set_mass(batch.bodies[-1], 1 + place)
-    batch.keep_start()
+    batch.save_start()
     batch.step(count=5)
     falls = batch.velocities[:, -1, 2]
     assert np.all(np.diff(falls) < 0)
@@ -85,7 +85,7 @@ def test_what_differs_from_world_to_world_is_set_by_arrays() -> None:
     batch.set_masses(1, np.geomspace(1, 1000, 6))
     for body in range(2):
         batch.set_frictions(body, friction)
-    batch.keep_start()
+    batch.save_start()
     batch.step(count=240)
     exact = 3**2 / (2 * friction * gravity)
     assert batch.positions[:, 1, 0] == pytest.approx(exact, rel=0.01)

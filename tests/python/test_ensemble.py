@@ -89,7 +89,7 @@ def max_height(world: atoll.World) -> float:
 def test_rows_are_what_the_runs_come_to(undisturbed: Tables) -> None:
     rows = rows_of(undisturbed.results)
     moments = {(row["job"], int(row["step"])): row for row in rows_of(undisturbed.series)}
-    told = 0
+    observed = 0
     jobs = list(read_plan(PLAN).jobs())
     assert [row["job"] for row in rows] == [job.key for job in jobs]
     for job, row in zip(jobs, rows, strict=True):
@@ -102,11 +102,11 @@ def test_rows_are_what_the_runs_come_to(undisturbed: Tables) -> None:
                 moment = moments[job.key, step]
                 assert float(moment["time"]) == step * scene.dt
                 assert float(moment["max_height"]) == max_height(world)
-                told += 1
+                observed += 1
         assert row["state_hash"] == f"{world.state_hash():016x}"
         assert float(row["max_height"]) == max_height(world)
     assert len({row["state_hash"] for row in rows}) == JOBS
-    assert told == len(moments) == 8 * 6 + 8 * 4
+    assert observed == len(moments) == 8 * 6 + 8 * 4
 
 
 def test_frame_has_a_row_a_job_in_the_order_of_the_plan(undisturbed: Tables) -> None:
@@ -233,8 +233,8 @@ def test_functions_of_the_plan_are_called(tmp_path: Path, this_module: str) -> N
     outcome = run(tmp_path, plan)
     assert outcome.table is not None
     assert [row["bodies"] for row in outcome.table.rows] == [8, 8]
-    told = run(tmp_path / "series", plan | {"keep": {"series": 10}})
-    assert told.done == 2
+    observed = run(tmp_path / "series", plan | {"keep": {"series": 10}})
+    assert observed.done == 2
     assert [row["bodies"] for row in rows_of(tables(tmp_path / "series").series)] == ["8.0"] * 6
     failing = run(tmp_path, plan | {"observe": f"{this_module}:raise_always"})
     assert failing.failed == 2 and failing.table is not None
@@ -401,15 +401,15 @@ def stop_once(out: Path, enough: Callable[[Tally], bool], **options: Any) -> Non
     """Stops an ensemble as soon as enough is done. Without second runs, which have snapshots of their own: all that is
     under way is of jobs that aren't done.
     """
-    told: list[bool] = []
+    observed: list[bool] = []
     outcome = run_ensemble(
         PLAN,
         out,
         workers=2,
         parquet=False,
         options=Options(verify=0, **options),
-        watch=lambda tally, under_way: told.append(enough(tally)),
-        stop=lambda: any(told),
+        watch=lambda tally, under_way: observed.append(enough(tally)),
+        stop=lambda: any(observed),
     )
     assert not outcome.finished
 

@@ -214,7 +214,7 @@ def test_flipped_bytes_in_the_database_are_told(tmp_path: Path) -> None:
     path = tmp_path / "ensemble.db"
     whole = path.read_bytes()
     table = (tmp_path / "results.csv").read_bytes()
-    told = 0
+    refused = 0
     for seed, size in itertools.product(range(20), (1, 30, 1000)):
         chosen = random.Random(seed)
         damaged = bytearray(whole)
@@ -225,8 +225,8 @@ def test_flipped_bytes_in_the_database_are_told(tmp_path: Path) -> None:
             run(tmp_path, plan)
         except EnsembleError as error:
             assert "ensemble.db" in str(error)
-            told += 1
-    assert told > 20
+            refused += 1
+    assert refused > 20
     path.write_bytes(whole)
     run(tmp_path, plan)
     assert (tmp_path / "results.csv").read_bytes() == table

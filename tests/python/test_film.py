@@ -30,9 +30,9 @@ def content(film: atoll.Film) -> Any:
 
 def seen(film: atoll.Film) -> Any:
     """The same without how long steps took."""
-    told = content(film)
-    del told["frames"]["ms"], told["frames"]["phase_ms"], told["name"]
-    return told
+    film_data = content(film)
+    del film_data["frames"]["ms"], film_data["frames"]["phase_ms"], film_data["name"]
+    return film_data
 
 
 def shown(film: atoll.Film) -> str:
@@ -54,11 +54,11 @@ def test_a_film_has_the_frames_of_its_block(world: atoll.World) -> None:
         world.step(DT)
     assert not film.rolling and film.frames == 4 and film.bodies == 2
     world.steps(5, DT)
-    told = content(film)
-    assert told["frames"]["step"] == [0, 2, 4, 6]
-    assert np.allclose(told["frames"]["time"], [0, 2 * DT, 4 * DT, 5.5 * DT])
-    assert told["name"] == "crate & <co>" and told["place"] == "colour=force"
-    assert [body["name"] for body in told["bodies"]] == ["ground", "crate"]
+    film_data = content(film)
+    assert film_data["frames"]["step"] == [0, 2, 4, 6]
+    assert np.allclose(film_data["frames"]["time"], [0, 2 * DT, 4 * DT, 5.5 * DT])
+    assert film_data["name"] == "crate & <co>" and film_data["place"] == "colour=force"
+    assert [body["name"] for body in film_data["bodies"]] == ["ground", "crate"]
     assert repr(film) == "<Film of 4 frames, 2 bodies>"
 
 
@@ -216,10 +216,10 @@ def test_a_notebook_plays_it(tmp_path: Path, world: atoll.World) -> None:
     # Loads the page in a frame without the sandbox, which would hide it from the test. The frame loads at any time.
     look = """<script>setInterval(() => {
       const body = document.querySelector('iframe').contentDocument.body;
-      if (body && body.dataset.ready) document.body.dataset.told = body.dataset.step + ' of ' + body.querySelector('#title').textContent;
+      if (body && body.dataset.ready) document.body.dataset.shown = body.dataset.step + ' of ' + body.querySelector('#title').textContent;
     }, 100)</script>"""
     page = tmp_path / "notebook.html"
     page.write_text("<!DOCTYPE html><body>" + element.replace(' sandbox="allow-scripts"', "") + look)
     document, console = browser.load(page, tmp_path / "profile")
-    assert 'data-told="7 of world"' in document
+    assert 'data-shown="7 of world"' in document
     assert console == ""

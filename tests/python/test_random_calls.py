@@ -19,6 +19,6 @@ def test_calls_with_any_arguments_come_back(seed: int, tmp_path: Path) -> None:
     script = Path(__file__).with_name("random_calls.py")
     command = [sys.executable, str(script), str(seed), str(CALLS)]
     ran = subprocess.run(command, cwd=tmp_path, env=dict(os.environ), capture_output=True, check=False)
-    told = ran.stderr.decode("utf-8", "replace")[-4000:]
-    assert ran.returncode == 0, told
-    assert int(ran.stdout.split()[0]) > CALLS / 10, told
+    output = ran.stderr.decode("utf-8", "replace")[-4000:]
+    assert ran.returncode == 0, output
+    assert int(ran.stdout.split()[0]) > CALLS / 10, output

@@ -123,8 +123,8 @@ def answer_function() -> Any:
     return sys._getframe()
 
 
-def die(told: Path) -> None:
-    wait_for(told)
+def die(answered: Path) -> None:
+    wait_for(answered)
     os.kill(os.getpid(), signal.SIGKILL)
 
 
@@ -174,15 +174,15 @@ def test_what_a_function_raises(engine: RayEngine) -> None:
 
 
 def test_a_process_that_is_killed_loses_its_call_alone(engine: RayEngine, tmp_path: Path) -> None:
-    mark, told = tmp_path / "mark", tmp_path / "told"
+    mark, answered = tmp_path / "mark", tmp_path / "told"
     engine.submit(Call(0, hang, (mark,)))
     for i in range(1, 9):
         engine.submit(Call(i, square, (i,)))
-    engine.submit(Call(9, die, (told,)))
+    engine.submit(Call(9, die, (answered,)))
     wait_for(mark)
     os.kill(int(mark.read_text()), signal.SIGKILL)
     answers = rest_of(engine, 9)
-    told.touch()  # all answers before it have been sent
+    answered.touch()  # all answers before it have been sent
     answers |= rest_of(engine, 1)
     for ticket in (0, 9):
         assert answers[ticket].worker in names()

@@ -91,8 +91,8 @@ def check(path: Path) -> None:
     mass = sum(world.mass(body) for body in world.bodies if world.type(body) == atoll.BodyType.DYNAMIC)
     start = height_energy(world)
     # Shapes that overlap as the model begins are pushed apart, which may lift it, and wind up its springs.
-    least = mass * float(np.linalg.norm(world.gravity)) * FALL + 1e-9
-    given = stored(robot, model) + least
+    dropped = mass * float(np.linalg.norm(world.gravity)) * FALL + 1e-9
+    given = stored(robot, model) + dropped
     for _ in range(round(SECONDS / DT / 4)):
         world.steps(4, DT)
         assert not world.quarantined(), path.name

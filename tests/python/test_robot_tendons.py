@@ -104,8 +104,8 @@ def test_what_tendons_cant_be_is_told() -> None:
         f'<mujoco><worldbody>{bodies}</worldbody><tendon><fixed name="wide">{many}</fixed>'
         '<fixed name="slack" stiffness="1" springlength="0 1"><joint joint="j0" coef="1"/></fixed></tendon></mujoco>'
     )
-    told = {line.name: line.note for line in robot.receipt.lines if line.element == "tendon"}
-    assert "runs over 5 joints" in told["wide"] and "slack" in told["slack"]
+    notes = {line.name: line.note for line in robot.receipt.lines if line.element == "tendon"}
+    assert "runs over 5 joints" in notes["wide"] and "slack" in notes["slack"]
 
 
 def test_robots_with_tendons_are_files() -> None:

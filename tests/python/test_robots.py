@@ -194,8 +194,8 @@ def test_a_start_beyond_a_range_or_in_another_shape_is_told() -> None:
     <mujoco><compiler angle="radian"/><worldbody>
       <body name="a"><joint name="j" range=".2 1"/><geom size=".1" pos=".3 0 0"/></body>
       <body name="b" pos=".45 0 0"><freejoint/><geom size=".1"/></body></worldbody></mujoco>""")
-    told = {line.name: line.note for line in robot.receipt.lines if line.element == "pose"}
-    assert told["j"].startswith("0.2 m or rad beyond") and "overlap by 0.05 m" in told["a and b"]
+    by_name = {line.name: line.note for line in robot.receipt.lines if line.element == "pose"}
+    assert by_name["j"].startswith("0.2 m or rad beyond") and "overlap by 0.05 m" in by_name["a and b"]
 
 
 def test_nothing_is_dropped_without_a_line() -> None:
@@ -291,8 +291,8 @@ LOOP = """
 
 def test_loops_are_closed_by_joints() -> None:
     robot = atoll.load_mjcf(LOOP)
-    told = {line.name: line.verdict for line in robot.receipt.lines if line.element == "equality"}
-    assert told == {
+    by_name = {line.name: line.verdict for line in robot.receipt.lines if line.element == "equality"}
+    assert by_name == {
         "loop": Verdict.TAKEN_AS,
         "carried": Verdict.TAKEN_AS,
         "off": Verdict.LEFT_OUT,

@@ -150,7 +150,7 @@ def test_rollouts_start_where_they_are_told() -> None:
     first = atoll.Batch(arm_and_crate(), 4).rollout(CONTROLS, values)["positions"]
     assert np.array_equal(batch.rollout(CONTROLS, values, start="reset")["positions"], first)
     batch[2].restore(snapshots[2])
-    batch.keep_start([2])
+    batch.save_start([2])
     hashes = batch.hashes()
     assert np.array_equal(batch.rollout(CONTROLS, values[2:3], start="reset", worlds=[2])["positions"], on[2:3])
     assert list(batch.hashes() == hashes) == [True, True, False, True]

@@ -49,7 +49,7 @@ def test_recordings_are_replayed_and_looked_at(tmp_path: Path) -> None:
         assert np.array_equal(playback.positions[:, 2], heights[step])
     with pytest.raises(atoll.Error, match="expected one in"):
         playback.seek(41)
-    assert atoll.find_parting(path, path).parting is None
+    assert atoll.find_first_difference(path, path).difference is None
 
 
 def test_errors_are_measured() -> None:

@@ -81,10 +81,10 @@ def test_masses_are_repaired_and_told() -> None:
         joint("continuous", "finger", "nail"),
     ]
     robot = atoll.load_urdf(urdf(links, *joints))
-    told = notes(robot)
-    assert "moments of 1.5, 1.5, 3 kg m^2, from 1, 1, 3" in told["inertial", "base"]
-    assert told["inertial", "between"].startswith("0.002 kg")
-    assert ("inertial", "tool") not in told
+    remarks = notes(robot)
+    assert "moments of 1.5, 1.5, 3 kg m^2, from 1, 1, 3" in remarks["inertial", "base"]
+    assert remarks["inertial", "between"].startswith("0.002 kg")
+    assert ("inertial", "tool") not in remarks
     assert {name for kind, name in notes(robot, Verdict.LEFT_OUT) if kind == "joint"} == {"armfinger", "fingernail"}
     assert [c.name for c in robot.coordinates] == ["basebetween", "betweenarm"]
     assert robot.bodies["nail"] == robot.bodies["arm"]

@@ -131,8 +131,8 @@ def test_definitions_and_snapshots_are_pickled(world: atoll.World) -> None:
     settings = atoll.Settings(substeps=7, contact_hertz=20)
     assert repr(pickle.loads(pickle.dumps(settings))) == repr(settings)
     settings.contact_hertz = None
-    settings.target = atoll.ErrorTarget(penetration=1e-3, motion=0.5, most_substeps=9)
-    assert "target=ErrorTarget(penetration=0.001, motion=0.5, most_substeps=9)" in repr(settings)
+    settings.target = atoll.ErrorTarget(penetration=1e-3, motion=0.5, max_substeps=9)
+    assert "target=ErrorTarget(penetration=0.001, motion=0.5, max_substeps=9)" in repr(settings)
     for copied_settings in (pickle.loads(pickle.dumps(settings)), copy.deepcopy(settings), copy.copy(settings)):
         assert repr(copied_settings) == repr(settings)
 
@@ -148,9 +148,9 @@ def test_definitions_and_snapshots_are_pickled(world: atoll.World) -> None:
         atoll.Snapshot.__new__(atoll.Snapshot).__setstate__(bytes(damaged))
 
 
-def told_while_it_steps(world: atoll.World, count: int) -> int:
+def refused_while_it_steps(world: atoll.World, count: int) -> int:
     """Asks a world that another thread steps until it has been told so many times that it can't now."""
-    told = 0
+    refused = 0
     enough = threading.Event()
 
     def step() -> None:
@@ -166,22 +166,22 @@ def told_while_it_steps(world: atoll.World, count: int) -> int:
                 world.state_hash()
             except atoll.Error as error:
                 assert "step" in str(error)
-                told += 1
-                if told == count:
+                refused += 1
+                if refused == count:
                     break
     finally:
         enough.set()
         thread.join()
-    return told
+    return refused
 
 
 def test_a_step_lets_other_threads_of_python_run() -> None:
-    assert told_while_it_steps(atoll.load_scene("pile:bodies=400").build(), 1000) == 1000
+    assert refused_while_it_steps(atoll.load_scene("pile:bodies=400").build(), 1000) == 1000
 
 
 def test_two_threads_in_one_world_are_told() -> None:
     world = atoll.load_scene("pile:bodies=400").build()
-    assert told_while_it_steps(world, 1) == 1
+    assert refused_while_it_steps(world, 1) == 1
     world.step(DT)
 
 
@@ -223,23 +223,23 @@ def test_settings_and_gravity_are_set_as_a_whole(world: atoll.World) -> None:
 
 
 def test_targets_are_held_or_told() -> None:
-    assert not atoll.ErrorTarget().is_set() and atoll.ErrorTarget().most_substeps == 128
+    assert not atoll.ErrorTarget().is_set() and atoll.ErrorTarget().max_substeps == 128
     world = atoll.load_scene("stack:height=4").build()
-    assert world.step(DT).counts.body_substeps == 0 and world.unheld_islands() == []
+    assert world.step(DT).counts.body_substeps == 0 and world.missed_targets() == []
     settings = world.settings
     settings.target = atoll.ErrorTarget(penetration=1e-4)
     world.settings = settings
     world.steps(60, DT)
     counts = world.step(DT).counts
-    assert counts.island_bodies == 4 and counts.body_substeps == 4 * counts.most_substeps
-    assert world.unheld_islands() == [] and counts.unheld_islands == 0
-    assert counts.most_substeps > 4
+    assert counts.island_bodies == 4 and counts.body_substeps == 4 * counts.max_substeps
+    assert world.missed_targets() == [] and counts.missed_targets == 0
+    assert counts.max_substeps > 4
 
-    settings.target = atoll.ErrorTarget(penetration=1e-7, least_substeps=1, most_substeps=3)
+    settings.target = atoll.ErrorTarget(penetration=1e-7, min_substeps=1, max_substeps=3)
     world.settings = settings
-    assert world.settings.target.most_substeps == 3
+    assert world.settings.target.max_substeps == 3
     world.steps(3, DT)
-    (island,) = world.unheld_islands()
+    (island,) = world.missed_targets()
     assert island.error == atoll.TargetError.PENETRATION and island.measured > 1e-7
     assert island.lowest == world.bodies[1] and (island.bodies, island.contacts, island.joints) == (4, 4, 0)
     assert island.substeps == 3 and "most substeps" in island.why and "why=" in repr(island)
@@ -247,8 +247,8 @@ def test_targets_are_held_or_told() -> None:
     settings.stabilisation = atoll.Stabilisation.BAUMGARTE
     with pytest.raises(atoll.Error, match="target"):
         world.settings = settings
-    with pytest.raises(atoll.Error, match="most_substeps is 1; expected least_substeps, 2, or more"):
-        atoll.World(settings=atoll.Settings(target=atoll.ErrorTarget(motion=1, least_substeps=2, most_substeps=1)))
+    with pytest.raises(atoll.Error, match="max_substeps is 1; expected min_substeps, 2, or more"):
+        atoll.World(settings=atoll.Settings(target=atoll.ErrorTarget(motion=1, min_substeps=2, max_substeps=1)))
 
 
 def test_reports_tell_phases_and_features(world: atoll.World) -> None:

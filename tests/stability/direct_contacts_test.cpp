@@ -151,8 +151,8 @@ TEST(DirectContacts, TellWhichIslandsTheyAre) {
   const std::vector<BodyId> low = add_stack(world, 4, {10, 0, 0});
   const std::vector<BodyId> high = add_stack(world, 20);
   const StepReport report = world.step(dt);
-  ASSERT_EQ(world.selected_solves().size(), 1u);
-  const SelectedSolve& island = world.selected_solves().front();
+  ASSERT_EQ(world.solver_choices().size(), 1u);
+  const SolverChoice& island = world.solver_choices().front();
   EXPECT_EQ(island.lowest.index, high.front().index);
   EXPECT_EQ(island.bodies, 20u);
   EXPECT_EQ(island.contacts, 20u);
@@ -163,7 +163,7 @@ TEST(DirectContacts, TellWhichIslandsTheyAre) {
   EXPECT_EQ(report.counts.refined_islands, 0);
   world.set_settings({.contact_solver = ContactSolver::Iterative});
   EXPECT_EQ(world.step(dt).counts.direct_islands, 0);
-  EXPECT_TRUE(world.selected_solves().empty());
+  EXPECT_TRUE(world.solver_choices().empty());
 }
 
 // A box that lands hard loads what it lands on for a step: nothing to be done about.
@@ -198,10 +198,10 @@ TEST(Stiffening, LoadedContactsOverlapByHalf) {
     sum.p99 += run.penetration().p99;
     sum.mean += run.penetration().mean;
   };
-  constexpr double usual = 30;  // Hz, of four substeps
+  constexpr double standard = 30;  // Hz, of four substeps
   for (const char* scene : {"pile:bodies=1400", "pile:bodies=1500", "pile:bodies=1600"}) {
     add_overlap(scene, std::nullopt, stiff);
-    add_overlap(scene, usual, soft);
+    add_overlap(scene, standard, soft);
   }
   EXPECT_LT(stiff.p99, 0.5 * soft.p99);
   EXPECT_LT(stiff.mean, 0.8 * soft.mean);

@@ -17,7 +17,7 @@ struct Work {
 
   void add(const World& world, const StepReport& report) {
     constexpr double sweeps_of_iteration = 5;
-    for (const SelectedSolve& island : world.selected_solves()) {
+    for (const SolverChoice& island : world.solver_choices()) {
       if (!island.gave_up) continue;
       discarded += sweeps_of_iteration * (1 + island.iterations) * static_cast<double>(island.contacts);
     }
@@ -90,8 +90,8 @@ TEST(DiscardedWork, LargeIslandsAreRefusedAndTold) {
   EXPECT_EQ(report.counts.refused_islands, 1);
   EXPECT_EQ(report.counts.unsolved_islands, 0);
   EXPECT_EQ(report.counts.newton_iterations, 0);
-  ASSERT_EQ(run.world.selected_solves().size(), 1u);
-  const SelectedSolve& island = run.world.selected_solves().front();
+  ASSERT_EQ(run.world.solver_choices().size(), 1u);
+  const SolverChoice& island = run.world.solver_choices().front();
   EXPECT_FALSE(island.direct);
   EXPECT_FALSE(island.gave_up);
   EXPECT_EQ(island.bodies, 204u);

@@ -21,14 +21,14 @@ constexpr double seconds = 2;
 constexpr double margin = 2;
 
 // J: the most that bodies have in these steps beyond what they begin with; infinite if one goes into quarantine.
-double most_gained(World& world, const std::vector<BodyId>& ids, int steps) {
+double max_energy_gained(World& world, const std::vector<BodyId>& ids, int steps) {
   const double start = mechanical_energy(world, ids);
-  double most = start;
+  double max = start;
   for (int i = 0; i < steps; ++i) {
     if (world.step(dt).quarantined > 0) return INFINITY;
-    most = std::max(most, mechanical_energy(world, ids));
+    max = std::max(max, mechanical_energy(world, ids));
   }
-  return most - start;
+  return max - start;
 }
 
 constexpr AssemblyKind plain = {
@@ -44,7 +44,7 @@ int gaining(std::uint32_t seeds, const AssemblyKind& kind, JointSolver solver, b
     World world(assembly.world);
     const std::vector<BodyId> ids = add_to(world, assembly);
     const double allowed = energy_allowance(world, assembly, ids, seconds).all() + 1e-6;
-    const double gained = most_gained(world, ids, static_cast<int>(std::lround(seconds / dt)));
+    const double gained = max_energy_gained(world, ids, static_cast<int>(std::lround(seconds / dt)));
     if (gained < margin * allowed) continue;
     ++count;
     std::cout << seed << " gains " << gained << " J of " << allowed << ": " << assembly.features << "\n";
@@ -85,7 +85,7 @@ double needle_gain(const Shape& shape, double tilt) {
   needle.orientation = Quaternion(Eigen::AngleAxisd(tilt, Vector3(1, 0.3, 0).normalized()));
   const std::vector<BodyId> ids = {world.add_body(needle)};
   const double start = mechanical_energy(world, ids);
-  return 1 + most_gained(world, ids, 300) / start;
+  return 1 + max_energy_gained(world, ids, 300) / start;
 }
 
 TEST(Energy, LandingNeedlesGainNone) {
@@ -173,12 +173,12 @@ TEST(Energy, RodsThatSpinBlindlyGainNone) {
           std::vector<BodyId> ids = {world.add_body(rod)};
           if (start % 2 == 1) ids.push_back(world.add_body({.shape = Box{{0.3, 0.3, 0.1}}, .position = {0, 0, 0.1}}));
           const double before = mechanical_energy(world, ids);
-          double most = before;
+          double max = before;
           for (int i = 0; i < 240; ++i) {
             world.step(dt);
-            most = std::max(most, mechanical_energy(world, ids));
+            max = std::max(max, mechanical_energy(world, ids));
           }
-          EXPECT_LT(most, 1.005 * before) << spin << " rad/s, restitution " << restitution << ", start " << start;
+          EXPECT_LT(max, 1.005 * before) << spin << " rad/s, restitution " << restitution << ", start " << start;
         }
       }
     }
@@ -226,15 +226,15 @@ TEST(Energy, TreesThatFallOnTheGroundGainNone) {
     const std::vector<BodyId> ids = add_tree(world, random, friction);
     double before = mechanical_energy(world, ids);
     const double all = before;
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < 240; ++i) {
       ASSERT_EQ(world.step(dt).quarantined, 0) << "seed " << seed;
       const double now = mechanical_energy(world, ids);
-      most = std::max(most, now - before);
+      max = std::max(max, now - before);
       before = now;
     }
-    EXPECT_LT(most, 0.15 * all) << "seed " << seed;
-    lifted += most > 0.01 * all;
+    EXPECT_LT(max, 0.15 * all) << "seed " << seed;
+    lifted += max > 0.01 * all;
   }
   EXPECT_LE(lifted, count / 2000);
 }
@@ -291,7 +291,7 @@ TEST(Energy, MechanismsThatSweepsLoseHoldOfGainNone) {
     const std::vector<BodyId> ids = add_mechanism(world, random);
     double weight = 0;  // N
     for (const BodyId id : ids) weight += world.type(id) == BodyType::Dynamic ? 9.81 * world.mass(id) : 0;
-    const double gained = most_gained(world, ids, 300);
+    const double gained = max_energy_gained(world, ids, 300);
     EXPECT_LT(gained, 0.2 * weight) << "seed " << seed << ": what lifts all of it by 20 cm";
     lifted += gained > 0.05 * weight;
   }

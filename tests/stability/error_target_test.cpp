@@ -38,7 +38,7 @@ TEST_P(ScenesAtRest, AreHeldWithFewSubstepsThatSettleWithinASecond) {
     if (step == second) settled = report.counts.body_substeps;
     if (step > second) {
       ASSERT_EQ(report.counts.body_substeps, settled) << "step " << step;
-      EXPECT_EQ(report.counts.unheld_islands, 0) << "step " << step;
+      EXPECT_EQ(report.counts.missed_targets, 0) << "step " << step;
     }
     if (step % 20 == 0) {
       EXPECT_LE(run.penetration().p99, 1.3 * target) << "step " << step;
@@ -68,16 +68,16 @@ TEST(ErrorTargets, HeapsThatHaveLandedGetWhatTheyNeedAtRest) {
   constexpr int steps = 300;
   SceneRun heap = run_to("rocks:bodies=150", {.penetration = target});
   StepReport report;
-  std::int64_t most = 0;
+  std::int64_t max = 0;
   for (int step = 0; step < steps; ++step) {
     report = heap.world.step(heap.scene.dt);
-    most = std::max(most, report.counts.most_substeps);
+    max = std::max(max, report.counts.max_substeps);
   }
   EXPECT_LE(heap.penetration().p99, target);
-  EXPECT_EQ(report.counts.unheld_islands, 0);
+  EXPECT_EQ(report.counts.missed_targets, 0);
   // By fixed settings four to eight substeps hold it.
   EXPECT_LE(report.counts.body_substeps, 8 * report.counts.island_bodies);
-  EXPECT_LE(most, 24);
+  EXPECT_LE(max, 24);
 }
 
 // A ball that slides hardly moves along the normal, so its load explains how deep it lies.
@@ -129,8 +129,8 @@ TEST(ErrorTargets, AreAMatterOfEachIsland) {
     of_both = beside.step(dt);
     for (const BodyId id : ids) ASSERT_EQ(alone.pose(id).position, beside.pose(id).position) << "step " << step;
   }
-  EXPECT_LE(of_alone.counts.most_substeps, 2);
-  EXPECT_GE(of_both.counts.most_substeps, 5);
+  EXPECT_LE(of_alone.counts.max_substeps, 2);
+  EXPECT_GE(of_both.counts.max_substeps, 5);
 }
 
 // A body that lies on few substeps and joins what has many gets these, and keeps them for a while when they part.
@@ -139,25 +139,25 @@ TEST(ErrorTargets, AreCarriedByBodies) {
   world.add_body(ground());
   const BodyId low = world.add_body(box({0, 0, 0.5}));
   test::run(world, 60);
-  const std::int64_t few = world.step(dt).counts.most_substeps;
+  const std::int64_t few = world.step(dt).counts.max_substeps;
   const BodyId high = world.add_body(box({0, 0, 1.5}));
   test::run(world, 60);
-  const std::int64_t more = world.step(dt).counts.most_substeps;
+  const std::int64_t more = world.step(dt).counts.max_substeps;
   EXPECT_GT(more, few);
   world.remove_body(high);
-  EXPECT_EQ(world.step(dt).counts.most_substeps, more);
+  EXPECT_EQ(world.step(dt).counts.max_substeps, more);
   test::run(world, 60);
-  EXPECT_EQ(world.step(dt).counts.most_substeps, few);
+  EXPECT_EQ(world.step(dt).counts.max_substeps, few);
   EXPECT_TRUE(world.contains(low));
 }
 
 TEST(ErrorTargets, WhatCannotBeHeldIsTold) {
-  SceneRun run = run_to("wall:base=20", {.penetration = 1e-4, .most_substeps = 4});
+  SceneRun run = run_to("wall:base=20", {.penetration = 1e-4, .max_substeps = 4});
   StepReport report;
   for (int step = 0; step < 60; ++step) report = run.world.step(run.scene.dt);
-  EXPECT_EQ(report.counts.unheld_islands, 1);
-  ASSERT_EQ(run.world.unheld_islands().size(), 1u);
-  const UnheldIsland& island = run.world.unheld_islands().front();
+  EXPECT_EQ(report.counts.missed_targets, 1);
+  ASSERT_EQ(run.world.missed_targets().size(), 1u);
+  const MissedTarget& island = run.world.missed_targets().front();
   EXPECT_EQ(island.error, TargetError::Penetration);
   EXPECT_EQ(island.bodies, 210u);
   EXPECT_EQ(island.substeps, 4);
@@ -166,8 +166,8 @@ TEST(ErrorTargets, WhatCannotBeHeldIsTold) {
   EXPECT_TRUE(report.feature(Feature::ErrorTarget).run);
   run.world.set_settings({});
   report = run.world.step(run.scene.dt);
-  EXPECT_TRUE(run.world.unheld_islands().empty());
-  EXPECT_EQ(report.counts.most_substeps, 0);
+  EXPECT_TRUE(run.world.missed_targets().empty());
+  EXPECT_EQ(report.counts.max_substeps, 0);
   EXPECT_FALSE(report.feature(Feature::ErrorTarget).run);
 }
 
@@ -176,15 +176,15 @@ TEST(ErrorTargets, WhatWasPutIntoEachOtherIsNoLoad) {
   World world({.settings = {.target = {.penetration = 1e-3}}});
   world.add_body(ground());
   world.add_body(box({0, 0, 0.4}));
-  bool told = false;
+  bool listed = false;
   for (int step = 0; step < 60; ++step) {
-    EXPECT_LE(world.step(dt).counts.most_substeps, 16) << step;
-    for (const UnheldIsland& island : world.unheld_islands()) {
+    EXPECT_LE(world.step(dt).counts.max_substeps, 16) << step;
+    for (const MissedTarget& island : world.missed_targets()) {
       EXPECT_STRNE(island.why, "it has the most substeps that it may get");
-      told = true;
+      listed = true;
     }
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(listed);
 }
 
 // Which is asked in each substep of the settings: these are solved in as many as the target takes.
@@ -194,7 +194,7 @@ TEST(ErrorTargets, AreHeldUnderAForceLaw) {
   StepReport report;
   for (int step = 0; step < 180; ++step) report = run.world.step(run.scene.dt, [](Forces&) {});
   EXPECT_LE(run.penetration().p99, target);
-  EXPECT_EQ(report.counts.unheld_islands, 0);
+  EXPECT_EQ(report.counts.missed_targets, 0);
   const auto bodies = static_cast<std::int64_t>(run.scene.bodies.size()) - 1;
   EXPECT_GE(report.counts.body_substeps, 8 * bodies);
   EXPECT_LE(report.counts.body_substeps, 20 * bodies);
@@ -225,17 +225,17 @@ TEST(ResidualTarget, IsHeldAtRest) {
 TEST(MotionTarget, BoundsThePathOfAPendulum) {
   double before = 1;
   for (const double target : {1e-2, 1e-3, 1e-4}) {
-    SceneRun run = run_to("pendulum", {.motion = target, .least_substeps = 1});
+    SceneRun run = run_to("pendulum", {.motion = target, .min_substeps = 1});
     ErrorMeter meter(run.scene);
-    std::int64_t most = 0;
+    std::int64_t max = 0;
     for (int step = 0; step < run.scene.steps; ++step) {
-      most = std::max(most, run.world.step(run.scene.dt).counts.most_substeps);
+      max = std::max(max, run.world.step(run.scene.dt).counts.max_substeps);
       meter.observe((step + 1) * run.scene.dt, body_states(run.world, run.ids));
     }
     const double error = meter.errors().front().value;
     EXPECT_EQ(meter.errors().front().name, "analytic_error");
     EXPECT_LT(error, before) << target;
-    RecordProperty("error at " + std::to_string(target), std::to_string(error) + ", " + std::to_string(most));
+    RecordProperty("error at " + std::to_string(target), std::to_string(error) + ", " + std::to_string(max));
     before = error;
   }
 }

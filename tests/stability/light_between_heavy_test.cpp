@@ -24,8 +24,8 @@ double energy_of(const World& world) {
 }
 
 struct Flight {
-  double start = 0, most = 0;  ///< J
-  double apart = 0;            ///< m, the most of any joint
+  double start = 0, max = 0;  ///< J
+  double apart = 0;           ///< m, the most of any joint
 };
 
 // A bar with a wheel at each end, beside it, that turns about an axis across both: its moment of inertia about its
@@ -49,7 +49,7 @@ Flight fly(const JointKind& kind, double thickness, double radius, int substeps 
   Flight flight{.start = energy_of(world)};
   for (int step = 0; step < 600; ++step) {
     world.step(dt);
-    flight.most = std::max(flight.most, energy_of(world));
+    flight.max = std::max(flight.max, energy_of(world));
     for (const auto& [place, wheel] : wheels) {
       const Pose at = world.pose(bar);
       const Vector3 gap = at.position + at.orientation * place - world.pose(wheel).position;
@@ -64,7 +64,7 @@ TEST(LightBetweenHeavy, WheelsOnAThinBarGainNoEnergy) {
   for (const double thickness : {0.02, 0.03, 0.05, 0.07}) {
     for (const double radius : {0.1, 0.15, 0.2, 0.24, 0.26, 0.3}) {
       const Flight flight = fly(HingeJoint{}, thickness, radius);
-      EXPECT_LT(flight.most, 1.001 * flight.start) << thickness << " " << radius;
+      EXPECT_LT(flight.max, 1.001 * flight.start) << thickness << " " << radius;
       EXPECT_LT(flight.apart, 1e-3) << thickness << " " << radius;
     }
   }
@@ -74,11 +74,11 @@ TEST(LightBetweenHeavy, NorDoOthersHeldInOtherWays) {
   for (const double radius : {0.24, 0.3}) {
     for (const JointKind& kind : std::vector<JointKind>{FixedJoint{}, BallJoint{}, UniversalJoint{}}) {
       const Flight flight = fly(kind, 0.05, radius);
-      EXPECT_LT(flight.most, 1.001 * flight.start) << kind.index() << " " << radius;
+      EXPECT_LT(flight.max, 1.001 * flight.start) << kind.index() << " " << radius;
     }
     for (const int substeps : {2, 8, 16}) {
       const Flight flight = fly(HingeJoint{}, 0.05, radius, substeps);
-      EXPECT_LT(flight.most, 1.001 * flight.start) << substeps << " " << radius;
+      EXPECT_LT(flight.max, 1.001 * flight.start) << substeps << " " << radius;
     }
   }
 }

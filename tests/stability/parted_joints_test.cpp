@@ -14,11 +14,11 @@ namespace atl::test::parted_joints_test {
 namespace {
 
 double fastest(const World& world, const std::vector<BodyId>& ids) {
-  double most = 0;
+  double max = 0;
   for (const BodyId id : ids) {
-    most = std::max({most, world.velocity(id).norm(), world.angular_velocity(id).norm()});
+    max = std::max({max, world.velocity(id).norm(), world.angular_velocity(id).norm()});
   }
-  return most;
+  return max;
 }
 
 // Rods that are straight, and hinges each of which is to be bent by half a radian at least. No two of them touch.
@@ -52,14 +52,14 @@ TEST(PartedJoints, CoordinatesComeBackIntoTheirRangesWithoutSpeed) {
         for (const double damping : {0.0, 0.5}) {
           for (const int count : {1, 2, 4}) {
             Chain chain(count, anchored, armature, damping, solver);
-            double most = 0;
+            double max = 0;
             for (int i = 0; i < 60; ++i) {
               chain.world.step(dt);
-              most = std::max(most, fastest(chain.world, chain.rods));
+              max = std::max(max, fastest(chain.world, chain.rods));
             }
             const std::string of = std::to_string(count) + " rods, anchored " + std::to_string(anchored) +
                                    ", armature " + std::to_string(armature) + ", damping " + std::to_string(damping);
-            EXPECT_LT(most, 1e-4) << of;
+            EXPECT_LT(max, 1e-4) << of;
             for (const JointId id : chain.hinges) {
               EXPECT_GT(std::abs(chain.world.joint_state(id).position[0]), 0.499) << of;
             }
@@ -112,14 +112,14 @@ TEST(PartedJoints, WhatJointsHoldInOneAnotherStaysAtRest) {
         for (const double armature : {0.0, 0.01}) {
           World world({.gravity = Vector3::Zero()});
           const std::vector<BodyId> ids = add_hips(world, {damping, armature, spine, anchored});
-          double most = 0;
+          double max = 0;
           for (int i = 0; i < 180; ++i) {
             world.step(dt);
-            most = std::max(most, kinetic_energy(world, ids));
+            max = std::max(max, kinetic_energy(world, ids));
           }
           EXPECT_TRUE(world.quarantined().empty());
-          EXPECT_LT(most, 1e-3) << "J, with damping " << damping << ", armature " << armature << ", spine " << spine
-                                << ", anchored " << anchored;
+          EXPECT_LT(max, 1e-3) << "J, with damping " << damping << ", armature " << armature << ", spine " << spine
+                               << ", anchored " << anchored;
         }
       }
     }

@@ -28,15 +28,15 @@ TEST(Pile, ComesToRestInsideItsContainer) {
   SceneRun pile("pile:bodies=300");
   const std::vector<BodyId> bodies = dynamic_bodies(pile.world, pile.ids);
   ASSERT_EQ(bodies.size(), 300u);
-  double most_energy = 0;
+  double max_energy = 0;
   for (int i = 0; i < 600; ++i) {
     ASSERT_EQ(pile.world.step(dt).first_quarantined, -1) << "step " << i;
-    most_energy = std::max(most_energy, kinetic_energy(pile.world, bodies));
+    max_energy = std::max(max_energy, kinetic_energy(pile.world, bodies));
   }
   for (BodyId id : bodies) {
     EXPECT_LE(beyond_container(pile.scene, pile.world.pose(id).position), 0) << "body " << id.index;
   }
-  EXPECT_LT(kinetic_energy(pile.world, bodies), 1e-3 * most_energy);
+  EXPECT_LT(kinetic_energy(pile.world, bodies), 1e-3 * max_energy);
   EXPECT_LT(pile.penetration().p99, 0.1);
 }
 

@@ -92,14 +92,14 @@ void expect_same(const World& world, const World& expected, const std::vector<Bo
 }
 
 // The bodies that carry contact forces and can move, in order.
-std::vector<BodyId> bodies_that_are_pressed(const SceneRun& pile) {
-  std::set<BodyId> pressed;
+std::vector<BodyId> bodies_with_impulses(const SceneRun& pile) {
+  std::set<BodyId> with_impulses;
   for (const ContactForce& point : pile.world.contact_forces()) {
     for (const BodyId id : {point.a, point.b}) {
-      if (pile.world.type(id) == BodyType::Dynamic) pressed.insert(id);
+      if (pile.world.type(id) == BodyType::Dynamic) with_impulses.insert(id);
     }
   }
-  return {pressed.begin(), pressed.end()};
+  return {with_impulses.begin(), with_impulses.end()};
 }
 
 struct Size {
@@ -120,12 +120,12 @@ TEST_P(QuarantinedPile, GoesOnAsIfThePoisonedHadBeenRemoved) {
   run(removed.world, steps_before);
   EXPECT_TRUE(pile.world.quarantined().empty());
 
-  const std::vector<BodyId> pressed = bodies_that_are_pressed(pile);
-  ASSERT_GT(pressed.size(), 5 * count);
+  const std::vector<BodyId> with_impulses = bodies_with_impulses(pile);
+  ASSERT_GT(with_impulses.size(), 5 * count);
   // Not in order, as callers needn't be.
   std::vector<BodyId> victims(count);
   std::vector<Pose> poses(count);
-  for (std::size_t i = 0; i < count; ++i) victims[i] = pressed[i * pressed.size() / count];
+  for (std::size_t i = 0; i < count; ++i) victims[i] = with_impulses[i * with_impulses.size() / count];
   for (std::size_t i = count; i-- > 0;) {
     poses[i] = pile.world.pose(victims[i]);
     poisons()[i % poisons().size()].give(pile.world, victims[i]);

@@ -31,8 +31,8 @@ TEST_P(RagdollsTest, HoldTogetherAndComeToRest) {
       asleep = report.counts.asleep;
       const JointDriftReport drift = run.drift();
       // Limbs that are put back within a step open their joints by the square of how far they turned in it.
-      double& most = report.counts.stopped > 0 ? gap_where_stopped : gap;
-      most = std::max(most, gap_at_end = drift.max);
+      double& max = report.counts.stopped > 0 ? gap_where_stopped : gap;
+      max = std::max(max, gap_at_end = drift.max);
       excess = std::max(excess, excess_at_end = drift.angle_excess_max);
     }
     EXPECT_LT(gap, direct ? 0.005 : 0.1) << seed;

@@ -168,9 +168,9 @@ struct Case {
 };
 
 double fastest(const World& world, const Robot& robot) {
-  double most = 0;
-  for (const BodyId id : robot.links) most = std::max(most, world.velocity(id).norm());
-  return most;
+  double max = 0;
+  for (const BodyId id : robot.links) max = std::max(max, world.velocity(id).norm());
+  return max;
 }
 
 // Servos reach their speed by their force within their range, and what falls by its weight; no link is faster than
@@ -208,17 +208,17 @@ TEST(Robots, StayWholeAndComeToRest) {
       }
       // After the drive ends, one in ten humanoids slides on for more than 6 s, and none for 15.
       const double step = 1 / of.rate, moving = of.driven ? 3 : 0, all = moving + (of.driven ? 15 : 6);
-      double most = 0, at_end = 0;
+      double max = 0, at_end = 0;
       for (int i = 0; i * step < all && world.quarantined().empty(); ++i) {
         if (i * step < moving && std::fmod(i * step + 0.5 * step, 0.5) < step) {
           for (const JointId id : robot.servos) world.set_servo_target(id, random.real(-0.8, 0.8));
         }
         world.step(step);
-        most = std::max(most, fastest(world, robot));
+        max = std::max(max, fastest(world, robot));
         if (i * step > all - 0.25) at_end = std::max(at_end, fastest(world, robot));
       }
       EXPECT_TRUE(world.quarantined().empty()) << of << ", " << seed;
-      EXPECT_LT(most, of.driven ? 20 : 1.5 * (std::sqrt(2 * g * fall) + std::sqrt(2 * g * robot.reach)))
+      EXPECT_LT(max, of.driven ? 20 : 1.5 * (std::sqrt(2 * g * fall) + std::sqrt(2 * g * robot.reach)))
           << of << ", " << seed;
       EXPECT_LT(at_end, 0.01) << of << ", " << seed;
     }

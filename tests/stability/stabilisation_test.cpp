@@ -179,16 +179,16 @@ double braking(double heading, FrictionModel model) {
 }
 
 TEST(Stabilisation, PyramidsFrictionIsTooStrongBySqrt2OffItsAxesAndTheConesIsNot) {
-  double least = 1e9, most = 0;
+  double min = 1e9, max = 0;
   for (int i = 0; i < 24; ++i) {
     const double heading = i * std::numbers::pi / 12;
     EXPECT_NEAR(braking(heading, FrictionModel::Cone), 1, 0.01) << 15 * i;
     const double pyramid = braking(heading, FrictionModel::Pyramid);
-    least = std::min(least, pyramid);
-    most = std::max(most, pyramid);
+    min = std::min(min, pyramid);
+    max = std::max(max, pyramid);
   }
-  EXPECT_NEAR(least, 1, 0.01) << "on an axis";
-  EXPECT_NEAR(most, std::sqrt(2), 0.02) << "on a diagonal";
+  EXPECT_NEAR(min, 1, 0.01) << "on an axis";
+  EXPECT_NEAR(max, std::sqrt(2), 0.02) << "on a diagonal";
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ inline BodyDef static_box(const Vector3& position, const Vector3& half_extents) 
 
 /// Targets for all errors there are, near enough that islands of small scenes get all kinds of substeps.
 inline ErrorTarget all_targets() {
-  return {.penetration = 5e-4, .joint_gap = 2e-4, .residual = 0.05, .motion = 5e-3, .most_substeps = 24};
+  return {.penetration = 5e-4, .joint_gap = 2e-4, .residual = 0.05, .motion = 5e-3, .max_substeps = 24};
 }
 
 /// Steps `count` times and returns the last report.

@@ -78,8 +78,8 @@ inline BodyDef random_body(Random& random) {
 inline JointAxis random_axis(Random& random, const AssemblyKind& kind, bool turns, std::ostringstream& words) {
   JointAxis axis;
   if (kind.ranges && random.chance(0.3)) {
-    const double most = turns ? 1.5 : 0.3;
-    axis.range = {-random.real(0, most), random.real(0, most)};
+    const double max = turns ? 1.5 : 0.3;
+    axis.range = {-random.real(0, max), random.real(0, max)};
     if (random.chance(0.2)) axis.range.restitution = random.real(0, 1);
     words << " range";
   }

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "support/bodies.h"
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 
 namespace atl::test {
 
@@ -59,7 +59,7 @@ inline void throw_chain(Scene& scene, const Vector3& from, const Vector3& along,
   for (int i = 0; i < links; ++i) {
     add(scene, {.shape = Capsule{.radius = 0.03, .half_height = 0.07},
                 .position = from + (0.2 * i + 0.1) * along,
-                .orientation = least_turn(Vector3::UnitZ(), along),
+                .orientation = min_turn(Vector3::UnitZ(), along),
                 .velocity = velocity});
     const std::size_t last = scene.bodies.size() - 1;
     if (i > 0) join(scene, BallJoint{}, last - 1, last, from + 0.2 * i * along);

@@ -21,12 +21,12 @@ std::int64_t allocations_of(World& world, int steps) {
 
 // The least in so many steps. A helper thread's memory grows as it gets a larger group than it had, which on a busy
 // machine may be late: then the steps after it tell.
-std::int64_t least_allocations_of(World& world, int steps) {
-  std::int64_t least = allocations_of(world, steps);
-  for (int more = 0; world.threads() > 1 && least > 0 && more < 10; ++more) {
-    least = std::min(least, allocations_of(world, steps));
+std::int64_t min_allocations_of(World& world, int steps) {
+  std::int64_t min = allocations_of(world, steps);
+  for (int more = 0; world.threads() > 1 && min > 0 && more < 10; ++more) {
+    min = std::min(min, allocations_of(world, steps));
   }
-  return least;
+  return min;
 }
 
 TEST(Allocation, TheHookCounts) {
@@ -63,7 +63,7 @@ TEST_P(SteadyState, RestingBodiesOfAllShapes) {
     }
   }
   run(world, 240);
-  EXPECT_EQ(least_allocations_of(world, 60), 0);
+  EXPECT_EQ(min_allocations_of(world, 60), 0);
 }
 
 TEST_P(SteadyState, JointsOfEverySolver) {
@@ -84,7 +84,7 @@ TEST_P(SteadyState, JointsOfEverySolver) {
       before = next;
     }
     run(world, 240);
-    EXPECT_EQ(least_allocations_of(world, 60), 0) << static_cast<int>(solver);
+    EXPECT_EQ(min_allocations_of(world, 60), 0) << static_cast<int>(solver);
   }
 }
 

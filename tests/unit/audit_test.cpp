@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 #include "support/placing.h"
 
 namespace atl {
@@ -31,7 +31,7 @@ TEST(Overlap, HalfSpaceTakesItsNormalAndOffsetFromTheBodysFrame) {
 TEST(Overlap, BoxOnItsCornerReachesItsHalfDiagonalBelowItsCentre) {
   const PlacedShape ground = place(HalfSpace{}, Vector3::Zero(), Quaternion::Identity(), BodyType::Static);
   const Vector3 half(1, 2, 3);
-  const Quaternion on_corner = test::least_turn(half, Vector3::UnitZ());
+  const Quaternion on_corner = test::min_turn(half, Vector3::UnitZ());
   EXPECT_NEAR(overlap(place(Box{half}, {5, 5, 3.7}, on_corner), ground), std::sqrt(14.0) - 3.7, 1e-14);
 }
 

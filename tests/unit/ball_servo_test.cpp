@@ -88,10 +88,10 @@ TEST_P(BallServos, GainNoEnergy) {
 }
 
 TEST_P(BallServos, PushWithNoMoreThanTheyHave) {
-  constexpr double most = 0.3, dt = 1.0 / 240;
-  Rig rig(GetParam(), {.target = about(Vector3::UnitY(), 3), .stiffness = 1000, .damping = 10, .max_torque = most});
+  constexpr double max = 0.3, dt = 1.0 / 240;
+  Rig rig(GetParam(), {.target = about(Vector3::UnitY(), 3), .stiffness = 1000, .damping = 10, .max_torque = max});
   for (int i = 0; i < 120; ++i) rig.world.step(dt);
-  EXPECT_NEAR(rig.world.angular_velocity(rig.body).y(), most / moment * 120 * dt, 1e-4);
+  EXPECT_NEAR(rig.world.angular_velocity(rig.body).y(), max / moment * 120 * dt, 1e-4);
   EXPECT_LT(Vector3(rig.world.angular_velocity(rig.body)).cwiseProduct(Vector3(1, 0, 1)).norm(), 1e-6);
 }
 

@@ -32,7 +32,7 @@ TEST(Batch, ResetsSomeAndLeavesOthers) {
   const Scene scene = load_scene("pile:bodies=10");
   Batch batch(scene, 9, 2);
   batch.for_each([&](World& world, std::size_t place) { vary(world, place); });
-  batch.keep_start();
+  batch.save_start();
   const std::vector<std::uint64_t> start = batch.hashes();
   batch.step(dt, 5);
   const std::vector<std::uint64_t> five = batch.hashes();

@@ -97,9 +97,9 @@ TEST(Bounds, OfAHeightFieldHoldIt) {
   for (int trial = 0; trial < 100; ++trial) {
     const Matrix3 rotation = random.rotation().toRotationMatrix();
     const Bounds bounds = bounds_of(shape, position, rotation);
-    const Bounds least = bounds_of_points(points, position, rotation);
-    EXPECT_LE((bounds.lower - least.lower).maxCoeff(), 1e-12);
-    EXPECT_GE((bounds.upper - least.upper).minCoeff(), -1e-12);
+    const Bounds min = bounds_of_points(points, position, rotation);
+    EXPECT_LE((bounds.lower - min.lower).maxCoeff(), 1e-12);
+    EXPECT_GE((bounds.upper - min.upper).minCoeff(), -1e-12);
   }
 }
 

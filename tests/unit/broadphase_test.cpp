@@ -218,12 +218,12 @@ TEST(Broadphase, FindsThePairsOfFewMovingShapesAmongManyFixed) {
   jobs::Arena arena(2);
   Broadphase broadphase;
   std::vector<Aabb> boxes;
-  constexpr std::uint32_t moving = 20, most = 1000;
+  constexpr std::uint32_t moving = 20, max = 1000;
   const auto box = [&] {
     const Vector3 lower = random.vector(10);
     return Aabb::around(lower, lower + Vector3::Ones());
   };
-  broadphase.add_half_space(most, {Vector3::UnitZ(), -8});
+  broadphase.add_half_space(max, {Vector3::UnitZ(), -8});
   for (int round = 0; round < 30; ++round) {
     std::set<std::uint32_t> moved;
     for (std::uint32_t shape = 0; shape < boxes.size(); ++shape) {
@@ -231,21 +231,21 @@ TEST(Broadphase, FindsThePairsOfFewMovingShapesAmongManyFixed) {
       broadphase.move_box(shape, boxes[shape] = box());
       moved.insert(shape);
     }
-    for (int i = 0; i < (round % 4 == 0 ? 100 : 2) && boxes.size() < most; ++i) {
+    for (int i = 0; i < (round % 4 == 0 ? 100 : 2) && boxes.size() < max; ++i) {
       const auto shape = static_cast<std::uint32_t>(boxes.size());
       boxes.push_back(box());
-      broadphase.add_box(shape, boxes[shape], shape % (most / moving) != 7);
+      broadphase.add_box(shape, boxes[shape], shape % (max / moving) != 7);
       moved.insert(shape);
     }
     std::vector<Pair> expected;
     for (std::uint32_t a = 0; a < boxes.size(); ++a) {
       for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
-        const bool moves = a % (most / moving) == 7 || b % (most / moving) == 7;
+        const bool moves = a % (max / moving) == 7 || b % (max / moving) == 7;
         const bool asked = moved.count(a) + moved.count(b) > 0;
         if (moves && asked && boxes[a].overlaps(boxes[b])) expected.push_back({a, b});
       }
       const bool below = boxes[a].lower[2] <= -8;
-      if (a % (most / moving) == 7 && below && (moved.count(a) > 0 || round == 0)) expected.push_back({a, most});
+      if (a % (max / moving) == 7 && below && (moved.count(a) > 0 || round == 0)) expected.push_back({a, max});
     }
     std::sort(expected.begin(), expected.end());
     const std::span<const Pair> found = broadphase.find_new_pairs({}, arena);

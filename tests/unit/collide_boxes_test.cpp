@@ -99,7 +99,7 @@ TEST(CollideBoxes, OtherCornersLieOnBothSurfaces) {
     collide_boxes(first, second, pose, 0.05 * size, slow);
     collide_boxes(first, second, pose, 0.5 * size, fast);
     if (slow.count != 1 || fast.count == 0 || fast.reference_is_second) continue;
-    EXPECT_NEAR(fast.least_separation(), slow.least_separation(), 1e-12);
+    EXPECT_NEAR(fast.min_separation(), slow.min_separation(), 1e-12);
     for (int i = 0; i < fast.count; ++i) {
       const Manifold::Point& point = fast.points[static_cast<std::size_t>(i)];
       if (point.separation < 1e-6) continue;

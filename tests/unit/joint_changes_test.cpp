@@ -65,11 +65,11 @@ struct Yard {
 class JointChanges : public testing::TestWithParam<JointSolver> {};
 
 TEST_P(JointChanges, ADefinitionThatIsThereAlreadyLeavesNoTrace) {
-  Yard told(GetParam()), left_alone(GetParam());
+  Yard set_again(GetParam()), left_alone(GetParam());
   for (int i = 0; i < 40; ++i) {
-    for (const JointId joint : told.joints) told.world.set_joint(joint, told.world.joint(joint));
-    ASSERT_EQ(told.world.state_hash(), left_alone.world.state_hash()) << i;
-    told.world.step(dt);
+    for (const JointId joint : set_again.joints) set_again.world.set_joint(joint, set_again.world.joint(joint));
+    ASSERT_EQ(set_again.world.state_hash(), left_alone.world.state_hash()) << i;
+    set_again.world.step(dt);
     left_alone.world.step(dt);
   }
 }

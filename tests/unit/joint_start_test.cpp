@@ -27,11 +27,11 @@ struct Pair {
   }
 
   double fastest() const {
-    double most = 0;
+    double max = 0;
     for (const BodyId body : {first, second}) {
-      most = std::max({most, world.velocity(body).norm(), world.angular_velocity(body).norm()});
+      max = std::max({max, world.velocity(body).norm(), world.angular_velocity(body).norm()});
     }
-    return most;
+    return max;
   }
 };
 
@@ -122,8 +122,8 @@ TEST_P(JointStart, TheForceWhileAGapClosesIsThatOnTheBody) {
       const Vector3 before = mass * pair.world.velocity(pair.second);
       pair.world.step(dt);
       const Vector3 change = mass * pair.world.velocity(pair.second) - before;
-      const Vector3 told = dt * pair.world.joint_state(joint).force;
-      EXPECT_LT((told - change).norm(), 1e-6 * mass + 1e-5 * change.norm()) << gap << " m, step " << step;
+      const Vector3 reported = dt * pair.world.joint_state(joint).force;
+      EXPECT_LT((reported - change).norm(), 1e-6 * mass + 1e-5 * change.norm()) << gap << " m, step " << step;
     }
   }
 }

@@ -51,7 +51,7 @@ TEST_P(KeptAxis, PartsAsWellAsAFreshOne) {
     }
     for (int step = 0; step < steps; ++step) {
       // They stay as deep in each other as a hundredth of their size, and slide and turn.
-      pose.position -= (found.least_separation() + 0.01 * size) * normal_of(found, pose);
+      pose.position -= (found.min_separation() + 0.01 * size) * normal_of(found, pose);
       pose.position += 0.005 * size * random_.direction();
       pose.orientation = (random_.rotation(0.01) * pose.orientation).normalized();
       Manifold kept = as_last(found), fresh;
@@ -59,7 +59,7 @@ TEST_P(KeptAxis, PartsAsWellAsAFreshOne) {
       collide(first, second, pose, margin, fresh);
       ++looks;
       lost += kept.count == 0 && fresh.count > 0;
-      worse += kept.count > 0 && fresh.count > 0 && kept.least_separation() < fresh.least_separation() - 2e-3 * size;
+      worse += kept.count > 0 && fresh.count > 0 && kept.min_separation() < fresh.min_separation() - 2e-3 * size;
       found = fresh.count > 0 && kept.count == 0 ? fresh : kept;
       if (found.count == 0) break;
     }

@@ -102,10 +102,10 @@ TEST(MassProperties, OfSolidsAreNotLessThanTheirInnerRadiusAllows) {
     }
   }
   for (const Shape& shape : shapes) {
-    const double least =
+    const double min =
         Eigen::SelfAdjointEigenSolver<Matrix3>(mass_properties(shape).unit_inertia, Eigen::EigenvaluesOnly)
             .eigenvalues()[0];
-    EXPECT_GE(least, 0.3 * shape.inner_radius * shape.inner_radius * (1 - 1e-9))
+    EXPECT_GE(min, 0.3 * shape.inner_radius * shape.inner_radius * (1 - 1e-9))
         << "kind " << static_cast<int>(shape.kind);
   }
 }

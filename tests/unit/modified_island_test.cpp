@@ -32,14 +32,14 @@ struct Slope {
   }
 
   double slowest() const {
-    double least = unlimited;
-    for (const BodyId crate : crates) least = std::min(least, world.velocity(crate).x());
-    return least;
+    double min = unlimited;
+    for (const BodyId crate : crates) min = std::min(min, world.velocity(crate).x());
+    return min;
   }
   double fastest() const {
-    double most = 0;
-    for (const BodyId crate : crates) most = std::max(most, std::abs(world.velocity(crate).x()));
-    return most;
+    double max = 0;
+    for (const BodyId crate : crates) max = std::max(max, std::abs(world.velocity(crate).x()));
+    return max;
   }
 };
 

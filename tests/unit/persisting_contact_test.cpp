@@ -51,16 +51,16 @@ TEST(PersistingContact, TellsWhatItCarriedInTheWholeStep) {
 
 TEST(PersistingContact, IsToldOfFromTheForceOnThatTheWorldOrABodyAsksFor) {
   const double below = 0.99 * weight, above = 1.01 * weight;
-  const auto told = [](std::optional<double> by_world, std::optional<double> by_crate) {
+  const auto events_with = [](std::optional<double> by_world, std::optional<double> by_crate) {
     return resting(by_world, by_crate).world.contact_events().size();
   };
-  EXPECT_EQ(told({}, {}), 0u);
-  EXPECT_EQ(told(below, {}), 1u);
-  EXPECT_EQ(told(above, {}), 0u);
-  EXPECT_EQ(told({}, below), 1u);
-  EXPECT_EQ(told({}, above), 0u);
-  EXPECT_EQ(told(above, below), 1u);
-  EXPECT_EQ(told(below, above), 1u);
+  EXPECT_EQ(events_with({}, {}), 0u);
+  EXPECT_EQ(events_with(below, {}), 1u);
+  EXPECT_EQ(events_with(above, {}), 0u);
+  EXPECT_EQ(events_with({}, below), 1u);
+  EXPECT_EQ(events_with({}, above), 0u);
+  EXPECT_EQ(events_with(above, below), 1u);
+  EXPECT_EQ(events_with(below, above), 1u);
 }
 
 TEST(PersistingContact, TellsOfABlowWhereBodiesTouchAlready) {

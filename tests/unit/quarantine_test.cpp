@@ -92,9 +92,9 @@ TEST(Quarantine, ReleasedBodyKeepsItsLocks) {
 
 // A change made to a body in quarantine holds once it is back.
 TEST(Quarantine, FilterThatIsSetMeanwhileHolds) {
-  for (const bool told_apart : {false, true}) {
+  for (const bool declared_static : {false, true}) {
     Lost lost;
-    if (told_apart) {
+    if (declared_static) {
       lost.world.set_collision_enabled(lost.floor, lost.crate, false);
     } else {
       lost.world.set_filter(lost.crate, {.category = 2, .mask = 0});

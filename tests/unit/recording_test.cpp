@@ -292,7 +292,7 @@ TEST(Replay, GoesAsFarAsACutRecordingDoes) {
   const TemporaryFile file(".recording");
   record_pushes(file.path());
   const std::string whole = file.content();
-  std::int64_t most = 0;
+  std::int64_t max = 0;
   for (std::size_t length = whole.size() - 1; length > 400; length -= std::min<std::size_t>(length, 97)) {
     file.set_content(whole.substr(0, length));
     try {
@@ -300,12 +300,12 @@ TEST(Replay, GoesAsFarAsACutRecordingDoes) {
       EXPECT_FALSE(result.complete) << length;
       EXPECT_FALSE(result.divergence.has_value()) << length;
       EXPECT_EQ(result.steps, result.recorded_steps) << length;
-      most = std::max(most, result.steps);
+      max = std::max(max, result.steps);
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("no state to begin with"), std::string::npos) << error.what();
     }
   }
-  EXPECT_EQ(most, 10);
+  EXPECT_EQ(max, 10);
 }
 
 TEST(Replay, RefusesWhatIsNoRecordingOrDamaged) {

@@ -61,14 +61,14 @@ TEST(SceneBuiltin, JointsHoldAtTheStart) {
 // Each can be made as small as its parameters go.
 TEST(SceneBuiltin, AreBuiltFromTheLeastOfEachParameter) {
   for (const BuiltinScene& scene : builtin_scenes()) {
-    std::string least;
+    std::string min;
     for (const SceneParameter& parameter : scene.parameters) {
       if (!parameter.integer) continue;
       std::ostringstream value;
       value << parameter.min;
-      least += (least.empty() ? ":" : ",") + parameter.name + "=" + value.str();
+      min += (min.empty() ? ":" : ",") + parameter.name + "=" + value.str();
     }
-    EXPECT_FALSE(load_scene(scene.name + least).bodies.empty()) << scene.name << least;
+    EXPECT_FALSE(load_scene(scene.name + min).bodies.empty()) << scene.name << min;
   }
 }
 

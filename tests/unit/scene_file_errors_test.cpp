@@ -156,12 +156,12 @@ TEST(SceneFileErrors, Targets) {
       {target(R"("joint_gap": -1)"), "3: /settings/target/joint_gap: found -1", "a number > 0"},
       {target(R"("residual": "1 %")"), "3: /settings/target/residual: found \"1 %\"", "a number > 0"},
       {target(R"("motion": 0)"), "3: /settings/target/motion: found 0", "a number > 0"},
-      {target(R"("least_substeps": 0)"), "3: /settings/target/least_substeps: found 0", "an integer in [1, 1024]"},
-      {target(R"("most_substeps": 1025)"), "3: /settings/target/most_substeps: found 1025", "an integer in [1, 1024]"},
-      {target(R"("least_substeps": 8, "most_substeps": 4)"), "3: /settings/target/most_substeps: found 4",
-       "least_substeps, 8, or more"},
-      {target(R"("least_substeps": 200)"), "2: /settings/target/most_substeps: found 128, the default,",
-       "least_substeps, 200, or more"},
+      {target(R"("min_substeps": 0)"), "3: /settings/target/min_substeps: found 0", "an integer in [1, 1024]"},
+      {target(R"("max_substeps": 1025)"), "3: /settings/target/max_substeps: found 1025", "an integer in [1, 1024]"},
+      {target(R"("min_substeps": 8, "max_substeps": 4)"), "3: /settings/target/max_substeps: found 4",
+       "min_substeps, 8, or more"},
+      {target(R"("min_substeps": 200)"), "2: /settings/target/max_substeps: found 128, the default,",
+       "min_substeps, 200, or more"},
       {target(R"("motion": 1)", R"(, "stabilisation": "baumgarte")"),
        "2: /settings/target: found it with rigid stabilisation", "it with \"soft\" only"},
       {target(R"("penetration": 1)", R"(, "contact_hertz": 30)"),
@@ -171,7 +171,7 @@ TEST(SceneFileErrors, Targets) {
   };
   for (const Refused& refused : cases) expect_refused(refused);
   // Without a target, no setting contradicts it.
-  const std::string unset = target(R"("least_substeps": 4)", R"(, "stabilisation": "baumgarte")");
+  const std::string unset = target(R"("min_substeps": 4)", R"(, "stabilisation": "baumgarte")");
   EXPECT_NE(message_for(unset).find("/bodies"), std::string::npos) << message_for(unset);
 }
 

@@ -97,17 +97,17 @@ TEST(SceneFile, ReadsEveryErrorThatATargetMayLimit) {
         .settings.target;
   };
   const ErrorTarget all = target(R"("penetration": 0.001, "joint_gap": 0.002, "residual": 0.01, "motion": 0.003,
-                                    "least_substeps": 3, "most_substeps": 200)");
+                                    "min_substeps": 3, "max_substeps": 200)");
   EXPECT_EQ(all.penetration, 0.001);
   EXPECT_EQ(all.joint_gap, 0.002);
   EXPECT_EQ(all.residual, 0.01);
   EXPECT_EQ(all.motion, 0.003);
-  EXPECT_EQ(all.least_substeps, 3);
-  EXPECT_EQ(all.most_substeps, 200);
+  EXPECT_EQ(all.min_substeps, 3);
+  EXPECT_EQ(all.max_substeps, 200);
   const ErrorTarget one = target(R"("residual": 0.1)");
   EXPECT_TRUE(one.is_set() && !one.penetration && !one.joint_gap && !one.motion);
-  EXPECT_EQ(one.least_substeps, ErrorTarget{}.least_substeps);
-  EXPECT_EQ(one.most_substeps, ErrorTarget{}.most_substeps);
+  EXPECT_EQ(one.min_substeps, ErrorTarget{}.min_substeps);
+  EXPECT_EQ(one.max_substeps, ErrorTarget{}.max_substeps);
   EXPECT_FALSE(target("").is_set());
 }
 

@@ -94,13 +94,13 @@ TEST(SceneWriting, ATargetIsWrittenWhereOneIsSet) {
   Scene scene = load_scene("stack:height=2");
   const std::string without = scene_text(scene);
   EXPECT_EQ(without.find("target"), std::string::npos);
-  scene.settings.target = {.penetration = 1e-4, .motion = 0.1, .least_substeps = 3, .most_substeps = 77};
+  scene.settings.target = {.penetration = 1e-4, .motion = 0.1, .min_substeps = 3, .max_substeps = 77};
   const ErrorTarget read = parse_scene(scene_text(scene), "again.json").settings.target;
   EXPECT_EQ(read.penetration, 1e-4);
   EXPECT_FALSE(read.joint_gap || read.residual);
   EXPECT_EQ(read.motion, 0.1);
-  EXPECT_EQ(read.least_substeps, 3);
-  EXPECT_EQ(read.most_substeps, 77);
+  EXPECT_EQ(read.min_substeps, 3);
+  EXPECT_EQ(read.max_substeps, 77);
 }
 
 TEST(SceneWriting, NothingOfADefinitionIsLost) {

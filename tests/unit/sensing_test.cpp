@@ -196,10 +196,10 @@ TEST_P(MotorForce, IsApartFromThatOfASpringByItsFrequency) {
 }
 
 TEST_P(MotorForce, IsAllItHasAtTheEndOfItsRange) {
-  const double most = 60;
-  const JointState state = slide({.range = {-1, 0.1}, .motor = JointMotor{.speed = 0.5, .max_force = most}});
+  const double max = 60;
+  const JointState state = slide({.range = {-1, 0.1}, .motor = JointMotor{.speed = 0.5, .max_force = max}});
   EXPECT_NEAR(state.position[0], 0.1, 1e-2);
-  EXPECT_NEAR(state.motor[0], most, 1e-9);
+  EXPECT_NEAR(state.motor[0], max, 1e-9);
   EXPECT_NEAR(state.force.z(), mass * g, 1e-1);
 }
 
@@ -220,7 +220,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, MotorForce,
                          testing::Values(HowSolved{"Iterative", {.joint_solver = JointSolver::Iterative}},
                                          HowSolved{"Direct", {.joint_solver = JointSolver::Direct}},
                                          HowSolved{"ToATarget",
-                                                   {.target = {.motion = 1e-3, .least_substeps = 3},
+                                                   {.target = {.motion = 1e-3, .min_substeps = 3},
                                                     .joint_solver = JointSolver::Direct}}),
                          [](const auto& of) { return of.param.name; });
 

@@ -50,23 +50,23 @@ TEST(SensorSight, ReachesOtherSensorsOnlyWhereAsked) {
 }
 
 // Events of all sensors over so many steps.
-std::vector<SensorEvent> told_of(World& world, int steps) {
-  std::vector<SensorEvent> told;
+std::vector<SensorEvent> sensor_events_of(World& world, int steps) {
+  std::vector<SensorEvent> passages;
   for (int step = 0; step < steps; ++step) {
     world.step(dt);
-    told.insert(told.end(), world.sensor_events().begin(), world.sensor_events().end());
+    passages.insert(passages.end(), world.sensor_events().begin(), world.sensor_events().end());
   }
-  return told;
+  return passages;
 }
 
-void expect_passed(const std::vector<SensorEvent>& told, BodyId sensor, BodyId body) {
-  ASSERT_EQ(told.size(), 2u);
-  for (const SensorEvent& event : told) {
+void expect_passed(const std::vector<SensorEvent>& passages, BodyId sensor, BodyId body) {
+  ASSERT_EQ(passages.size(), 2u);
+  for (const SensorEvent& event : passages) {
     EXPECT_EQ(event.sensor, sensor);
     EXPECT_EQ(event.body, body);
   }
-  EXPECT_TRUE(told[0].entered);
-  EXPECT_FALSE(told[1].entered);
+  EXPECT_TRUE(passages[0].entered);
+  EXPECT_FALSE(passages[1].entered);
 }
 
 TEST(SensorSight, SeesABulletPassIfContinuous) {
@@ -82,12 +82,12 @@ TEST(SensorSight, SeesABulletPassIfContinuous) {
       world.add_body({.shape = Sphere{0.01}, .position = {-1, 1.02, 0}, .velocity = {400, 0, 0}});
       world.add_body(
           {.shape = Sphere{0.01}, .position = {-1, 0.5, 0}, .velocity = {400, 0, 0}, .filter = {.category = 0}});
-      const std::vector<SensorEvent> told = told_of(world, 3);
+      const std::vector<SensorEvent> passages = sensor_events_of(world, 3);
       if (continuous) {
-        expect_passed(told, sensor, bullet);
+        expect_passed(passages, sensor, bullet);
       } else {
-        EXPECT_LE(told.size(), 2u);
-        EXPECT_TRUE(phase % 10 != 5 || told.empty());
+        EXPECT_LE(passages.size(), 2u);
+        EXPECT_TRUE(phase % 10 != 5 || passages.empty());
       }
     }
   }
@@ -101,7 +101,7 @@ TEST(SensorSight, SeesWhatItPassesItself) {
   bullet.continuous = bullet.notices_static = true;
   const BodyId sensor = world.add_body(bullet);
   const BodyId wall = world.add_body(static_box({0, 0, 0}, {0.005, 1, 1}));
-  expect_passed(told_of(world, 2), sensor, wall);
+  expect_passed(sensor_events_of(world, 2), sensor, wall);
 }
 
 // A rod of 2 m sweeps over a ball between two steps: from 0 to 0.8 rad, over what lies at 0.4.
@@ -112,7 +112,7 @@ TEST(SensorSight, SeesWhatTurnsThroughIt) {
   const BodyId sensor = world.add_body(ball);
   const BodyId rod = world.add_body(
       {.type = BodyType::Kinematic, .shape = Box{{1, 0.02, 0.02}}, .angular_velocity = {0, 0, 0.8 / dt}});
-  expect_passed(told_of(world, 1), sensor, rod);
+  expect_passed(sensor_events_of(world, 1), sensor, rod);
 }
 
 TEST(SensorSight, DoesNotTakeAMoveByHandForAPass) {
@@ -123,7 +123,7 @@ TEST(SensorSight, DoesNotTakeAMoveByHandForAPass) {
   const BodyId ball = world.add_body({.shape = Sphere{0.01}, .position = {-1, 0, 0}});
   world.step(dt);
   world.set_pose(ball, {{1, 0, 0}, Quaternion::Identity()});
-  EXPECT_TRUE(told_of(world, 2).empty());
+  EXPECT_TRUE(sensor_events_of(world, 2).empty());
 }
 
 TEST(SensorSight, TellsTheChildrenThatMet) {
@@ -154,8 +154,8 @@ TEST(SensorSight, IsTheSameAfterARestore) {
   World other;
   other.restore(snapshot);
   EXPECT_TRUE(other.definition(sensor).notices_static && other.definition(sensor).notices_sensors);
-  expect_passed(told_of(other, 1), sensor, bullet);
-  expect_passed(told_of(world, 1), sensor, bullet);
+  expect_passed(sensor_events_of(other, 1), sensor, bullet);
+  expect_passed(sensor_events_of(world, 1), sensor, bullet);
 }
 
 }  // namespace

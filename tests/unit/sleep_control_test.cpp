@@ -24,7 +24,7 @@ BodyDef asleep(BodyDef def) {
   return def;
 }
 
-std::vector<SleepEvent> told(const World& world) {
+std::vector<SleepEvent> events_of(const World& world) {
   const std::span<const SleepEvent> events = world.sleep_events();
   return {events.begin(), events.end()};
 }
@@ -96,7 +96,7 @@ TEST(SleepControl, EventsTellWhoFellAsleepAndWhoWoke) {
   restored.restore(saved);
   for (World* each : {&world, &restored}) {
     each->step(dt);
-    const std::vector<SleepEvent> events = told(*each);
+    const std::vector<SleepEvent> events = events_of(*each);
     ASSERT_EQ(events.size(), 2u);
     EXPECT_EQ(events[0].body, low);
     EXPECT_EQ(events[1].body, high);

@@ -58,15 +58,15 @@ TEST(StepObserver, ChangesNoBitAndGoesWithAWorldThatIsMoved) {
 
 TEST(StepObserver, SeveralAreToldInOrderAndGoOneByOne) {
   World world = resting_box();
-  std::vector<int> told;
+  std::vector<int> observed;
   for (int number = 1; number <= 3; ++number) {
     world.add_step_observer([&, number](const World&, const StepReport&, double) {
-      told.push_back(number);
+      observed.push_back(number);
       return number != 2;
     });
   }
   run(world, 2);
-  EXPECT_EQ(told, (std::vector<int>{1, 2, 3, 1, 3}));
+  EXPECT_EQ(observed, (std::vector<int>{1, 2, 3, 1, 3}));
 }
 
 TEST(StepObserver, OfAWorldOfABatchIsToldOfTheBatchsSteps) {

@@ -101,7 +101,7 @@ TEST(FlatMesh, IsAHalfSpaceForEverySolid) {
       ASSERT_EQ(found.count, 1) << "solid " << i % 6 << ", cells " << cells;
       const Manifold& manifold = found.manifolds[0];
       EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-12);
-      EXPECT_NEAR(manifold.least_separation(), separation, 1e-9) << "solid " << i % 6 << ", cells " << cells;
+      EXPECT_NEAR(manifold.min_separation(), separation, 1e-9) << "solid " << i % 6 << ", cells " << cells;
       Manifold expected;
       collide_half_space(solid, plane, relative(pose, {Vector3::Zero(), Quaternion::Identity()}), 0.02, expected);
       EXPECT_EQ(manifold.count, expected.count) << "solid " << i % 6 << ", cells " << cells;
@@ -160,7 +160,7 @@ TEST(FlatField, IsTheSameAsAMesh) {
     pose.position.z() = random.real(-0.1, 0.015) - lowest(solid, pose);
     const SurfaceManifolds found = touch(solid, Shape::height_field(field), pose, 0.02);
     ASSERT_EQ(found.count, 1);
-    EXPECT_NEAR(found.manifolds[0].least_separation(), lowest(solid, pose), 1e-9);
+    EXPECT_NEAR(found.manifolds[0].min_separation(), lowest(solid, pose), 1e-9);
   }
 }
 
@@ -223,7 +223,7 @@ TEST(LoneTriangle, SeparationIsTheDistance) {
     const Manifold& manifold = found.manifolds[0];
     (normal.z() > 1 - 1e-9 ? at_face : at_vertex_or_edge) += 1;
     // Within 8 degrees, a face may stand in, up to 2% of the size.
-    EXPECT_NEAR(manifold.least_separation(), closest.distance, 0.02 * solid.inner_radius + 1e-6)
+    EXPECT_NEAR(manifold.min_separation(), closest.distance, 0.02 * solid.inner_radius + 1e-6)
         << i << " solid " << i % 6;
     if (normal.z() < 0.98) {
       EXPECT_LT((manifold.normal - normal).norm(), 1e-3) << i << " solid " << i % 6;
@@ -260,25 +260,25 @@ TEST(ConvexMesh, SeparationIsTheDistanceFromTheSolidItBounds) {
     const Pose pose{random.vector(1.6), random.rotation()};
     const ClosestPoints closest = closest_points(box, solid, pose);
     const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.1);
-    double least = INFINITY;
+    double min = INFINITY;
     for (int m = 0; m < found.count; ++m) {
-      least = std::min(least, found.manifolds[static_cast<std::size_t>(m)].least_separation());
+      min = std::min(min, found.manifolds[static_cast<std::size_t>(m)].min_separation());
     }
     if (closest.distance > 0.1 + 1e-9) {
       EXPECT_EQ(found.count, 0) << i << " solid " << i % 6;
     } else if (closest.distance > 1e-6) {
       ++apart;
-      EXPECT_NEAR(least, closest.distance, 0.02 * solid.inner_radius + 1e-6) << i << " solid " << i % 6;
+      EXPECT_NEAR(min, closest.distance, 0.02 * solid.inner_radius + 1e-6) << i << " solid " << i % 6;
     } else {
       if (solid.kind == ShapeKind::Sphere) continue;
       Manifold expected;
       expected.axis = 0;
       const Pose from = relative(pose, {Vector3::Zero(), Quaternion::Identity()});
       collide_convex(solid, box, from, 0.1, expected);
-      const double depth = -expected.least_separation();
+      const double depth = -expected.min_separation();
       if (!(depth > 0 && depth < 0.1 * solid.inner_radius)) continue;
       ++shallow;
-      EXPECT_NEAR(least, -depth, 0.03 * solid.inner_radius) << i << " solid " << i % 6;
+      EXPECT_NEAR(min, -depth, 0.03 * solid.inner_radius) << i << " solid " << i % 6;
     }
   }
   EXPECT_GT(apart, 500);
@@ -296,7 +296,7 @@ TEST(ConcaveMesh, CornerOfFloorAndWallsHoldsABoxFromThreeSides) {
   for (int i = 0; i < 3; ++i) {
     const Manifold& manifold = found.manifolds[static_cast<std::size_t>(i)];
     EXPECT_EQ(manifold.count, 4);
-    EXPECT_NEAR(manifold.least_separation(), -Vector3(0.001, 0.002, 0.003).dot(manifold.normal), 1e-12);
+    EXPECT_NEAR(manifold.min_separation(), -Vector3(0.001, 0.002, 0.003).dot(manifold.normal), 1e-12);
   }
 }
 
@@ -311,7 +311,7 @@ TEST(ConvexMesh, BoxOverhangingAnEdgeIsHeldByTheTopAlone) {
     const SurfaceManifolds found = touch(box, Shape::triangle_mesh(mesh), pose, 0.01);
     ASSERT_EQ(found.count, 1) << i;
     EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9) << i;
-    EXPECT_NEAR(found.manifolds[0].least_separation(), -depth, 1e-9) << i;
+    EXPECT_NEAR(found.manifolds[0].min_separation(), -depth, 1e-9) << i;
     EXPECT_GE(found.manifolds[0].count, 3) << i;
   }
 }
@@ -329,7 +329,7 @@ TEST(ConvexMesh, ThinSlabPushesBackWhatPokesThrough) {
     const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
     ASSERT_EQ(found.count, 1) << i % 6;
     EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-9) << i % 6;
-    EXPECT_NEAR(found.manifolds[0].least_separation(), -depth, 1e-9) << i % 6;
+    EXPECT_NEAR(found.manifolds[0].min_separation(), -depth, 1e-9) << i % 6;
   }
 }
 
@@ -342,7 +342,7 @@ TEST(ConvexMesh, RidgeCarriesABoxAlongItsLine) {
     ASSERT_EQ(found.count, 1);
     const Manifold& manifold = found.manifolds[0];
     EXPECT_LT((manifold.normal - Vector3::UnitZ()).norm(), 1e-9);
-    EXPECT_NEAR(manifold.least_separation(), -0.001, 1e-9);
+    EXPECT_NEAR(manifold.min_separation(), -0.001, 1e-9);
     ASSERT_GE(manifold.count, 2);
     double span = 0;
     for (int i = 0; i < manifold.count; ++i) {
@@ -366,7 +366,7 @@ TEST(FlatMesh, AnyRatioOfSizesWorks) {
       pose.position.z() = -0.01 - lowest(solid, pose);
       const SurfaceManifolds found = touch(solid, Shape::triangle_mesh(mesh), pose, 0.02);
       ASSERT_EQ(found.count, 1) << cell << " " << i % 6;
-      EXPECT_NEAR(found.manifolds[0].least_separation(), -0.01, 1e-9) << cell << " " << i % 6;
+      EXPECT_NEAR(found.manifolds[0].min_separation(), -0.01, 1e-9) << cell << " " << i % 6;
     }
   }
 }
@@ -379,7 +379,7 @@ TEST(SurfaceContacts, ABallOverAnEdgeThatHardlyBendsTouches) {
       const SurfaceManifolds found =
           touch(Shape::sphere(0.3), Shape::triangle_mesh(ridge), {{x, 0.4, 0.2999}, Quaternion::Identity()}, 0.01);
       ASSERT_GE(found.count, 1) << angle << ", " << x;
-      EXPECT_NEAR(found.manifolds[0].least_separation(), -1e-4, 1e-6) << angle << ", " << x;
+      EXPECT_NEAR(found.manifolds[0].min_separation(), -1e-4, 1e-6) << angle << ", " << x;
     }
   }
 }
@@ -414,8 +414,8 @@ TEST(SmoothSurface, ABallTouchesTheSphereThatTheTrianglesStandFor) {
     const Vector3 centre = Vector3::UnitZ() + (0.9 + depth) * towards;
     const SurfaceManifolds found = touch(ball, Shape::triangle_mesh(mesh), {centre, Quaternion::Identity()}, 0.02);
     ASSERT_EQ(found.count, 1);
-    EXPECT_LT((found.manifolds[0].normal + towards).norm(), 2e-4);     // facets: 0.04
-    EXPECT_NEAR(found.manifolds[0].least_separation(), -depth, 4e-6);  // facets: 8e-4
+    EXPECT_LT((found.manifolds[0].normal + towards).norm(), 2e-4);   // facets: 0.04
+    EXPECT_NEAR(found.manifolds[0].min_separation(), -depth, 4e-6);  // facets: 8e-4
     EXPECT_EQ(found.manifolds[0].rise, 0);
   }
 }
@@ -449,7 +449,7 @@ TEST(PlainSurface, RisesUnderABallThatComesToTheNextFacet) {
     ASSERT_EQ(found.count, 1);
     EXPECT_NEAR(found.manifolds[0].rise, rise, 1e-12);
     EXPECT_LT((found.manifolds[0].normal - Vector3(-rise / way, 0, 1).normalized()).norm(), 1e-12);
-    EXPECT_NEAR(found.manifolds[0].least_separation(), 0, 1e-12);
+    EXPECT_NEAR(found.manifolds[0].min_separation(), 0, 1e-12);
   }
 }
 
@@ -505,7 +505,7 @@ TEST(SmoothSurface, AHeightFieldHasTheNormalsOfItsSlopes) {
         touch(Shape::sphere(0.1), Shape::height_field(field), {centre, Quaternion::Identity()}, 0.02);
     ASSERT_EQ(found.count, 1);
     EXPECT_LT((found.manifolds[0].normal - normal).norm(), 2e-3);
-    EXPECT_NEAR(found.manifolds[0].least_separation(), 0, 1e-5);
+    EXPECT_NEAR(found.manifolds[0].min_separation(), 0, 1e-5);
   }
 }
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "support/least_turn.h"
+#include "support/min_turn.h"
 #include "support/random.h"
 
 namespace atl::test {
@@ -131,7 +131,7 @@ inline SurfacePoint random_surface_point(const Shape& shape, Random& random) {
 /// The pose of the second shape in the frame of the first that lays the points a gap apart, turned at random
 /// about the line between them.
 inline Pose facing(const SurfacePoint& first, const SurfacePoint& second, double gap, Random& random) {
-  const auto turn = least_turn(second.normal, -first.normal).normalized();
+  const auto turn = min_turn(second.normal, -first.normal).normalized();
   const Eigen::AngleAxisd twist(random.real(-3, 3), first.normal);
   const Quaternion orientation((Eigen::Quaterniond(twist) * turn).normalized());
   return {first.point + gap * first.normal - orientation * second.point, orientation};

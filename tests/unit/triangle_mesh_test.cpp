@@ -199,8 +199,8 @@ std::vector<std::uint32_t> found_in(const TriangleTree& tree, const Aabb& box) {
 
 // Steps of a node of thin boxes are denormal, and those of one that spans the range of float overflow.
 TEST(TriangleTree, IsExactForBoxesOfAllSizes) {
-  constexpr float most = std::numeric_limits<float>::max();
-  std::vector<Aabb> boxes = {{{-most, -most, -most}, {most, most, most}}, {{0, 0, 0}, {0, 0, 0}}};
+  constexpr float max = std::numeric_limits<float>::max();
+  std::vector<Aabb> boxes = {{{-max, -max, -max}, {max, max, max}}, {{0, 0, 0}, {0, 0, 0}}};
   for (int i = -140; i < 120; ++i) {
     const float size = std::ldexp(1.0f, i);
     boxes.push_back({{-size, size, -size}, {size, size, 2 * size}});

@@ -112,9 +112,9 @@ TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceNearMultiplesOfTwelfthsOfPi) {
 
 TEST(Arctangent, KnowsTheAxesAndTheSignsOfZeros) {
   constexpr double pi = std::numbers::pi, inf = std::numeric_limits<double>::infinity();
-  constexpr double least = std::numeric_limits<double>::denorm_min(), most = std::numeric_limits<double>::max();
-  for (const double y : {0.0, least, 1e-300, 1.0, most, inf}) {
-    for (const double x : {0.0, least, 1e-300, 1.0, most, inf}) {
+  constexpr double min = std::numeric_limits<double>::denorm_min(), max = std::numeric_limits<double>::max();
+  for (const double y : {0.0, min, 1e-300, 1.0, max, inf}) {
+    for (const double x : {0.0, min, 1e-300, 1.0, max, inf}) {
       for (const double signed_y : {y, -y}) {
         for (const double signed_x : {x, -x}) {
           const double angle = arctangent(signed_y, signed_x), expected = std::atan2(signed_y, signed_x);

@@ -91,7 +91,7 @@ TEST(Congestion, LastsAWhileAfterAStall) {
   const Congestion::Clock::time_point start(std::chrono::hours(1));
   Congestion congestion(true);
   EXPECT_FALSE(congestion.is_on());
-  congestion.note_stall();
+  congestion.record_stall();
   EXPECT_TRUE(congestion.is_on_at(start));
   EXPECT_TRUE(congestion.is_on_at(start + milliseconds(39)));
   EXPECT_FALSE(congestion.is_on_at(start + milliseconds(41)));
@@ -102,21 +102,21 @@ TEST(Congestion, ThatComesBackLastsLonger) {
   Congestion::Clock::time_point now(std::chrono::hours(1));
   Congestion congestion(true);
   for (const int pause : {40, 160, 640, 2000, 2000}) {
-    congestion.note_stall();
+    congestion.record_stall();
     EXPECT_TRUE(congestion.is_on_at(now));
     EXPECT_TRUE(congestion.is_on_at(now + milliseconds(pause - 1)));
     now += milliseconds(pause + 1);
     EXPECT_FALSE(congestion.is_on_at(now));
   }
   now += std::chrono::seconds(20);
-  congestion.note_stall();
+  congestion.record_stall();
   EXPECT_TRUE(congestion.is_on_at(now));
   EXPECT_FALSE(congestion.is_on_at(now + milliseconds(41))) << "what was long ago is forgotten";
 }
 
 TEST(Congestion, IsNotWatchedForWhereThreadsAreFixed) {
   Congestion congestion(false);
-  congestion.note_stall();
+  congestion.record_stall();
   EXPECT_FALSE(congestion.is_on());
 }
 

@@ -49,9 +49,9 @@ void AabbTreeBuilder::for_leaves(const Body& body) const {
 
 AabbTreeBuilder::Grid AabbTreeBuilder::grid_around_leaves() {
   // A sample tells how far most of the centres spread, whatever a few others do.
-  constexpr std::size_t most_samples = 64;
+  constexpr std::size_t max_samples = 64;
   // Cells are then at most 1/512 of that spread.
-  constexpr double most_spreads = 4096;
+  constexpr double max_spreads = 4096;
   for_leaves([this](std::size_t begin, std::size_t end) {
     std::array<Range, 3> ranges;
     for (std::size_t i = begin; i < end; ++i) {
@@ -62,12 +62,12 @@ AabbTreeBuilder::Grid AabbTreeBuilder::grid_around_leaves() {
     }
     chunks_[begin / leaf_grain].ranges = ranges;
   });
-  const std::size_t stride = (leaves.size() + most_samples - 1) / most_samples;
+  const std::size_t stride = (leaves.size() + max_samples - 1) / max_samples;
   double extent = 0;
   double spread = 0;
   std::array<double, 3> lowest{}, middle{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::array<double, most_samples> samples;
+    std::array<double, max_samples> samples;
     std::size_t count = 0;
     for (std::size_t i = 0; i < leaves.size(); i += stride) {
       const double c = centre(leaves[i].box, axis);
@@ -88,8 +88,8 @@ AabbTreeBuilder::Grid AabbTreeBuilder::grid_around_leaves() {
     }
   }
   Grid grid{lowest, 0};
-  if (spread > 0 && extent > most_spreads * spread) {
-    extent = most_spreads * spread;
+  if (spread > 0 && extent > max_spreads * spread) {
+    extent = max_spreads * spread;
     for (std::size_t axis = 0; axis < 3; ++axis) grid.origin[axis] = middle[axis] - 0.5 * extent;
   }
   if (extent > 0) grid.cells_per_unit = (1 << axis_bits) / extent;
@@ -222,12 +222,12 @@ void AabbTreeBuilder::build(jobs::CompactArray<AabbTreeNode>& nodes, jobs::Compa
 void AabbTreeBuilder::divide() {
   parts_.clear();
   above_.clear();
-  const std::size_t most = arena_ == nullptr || leaves.size() < many_leaves ? leaves.size() : part_leaves;
+  const std::size_t max = arena_ == nullptr || leaves.size() < many_leaves ? leaves.size() : part_leaves;
   divided_.assign(1, {0, leaves.size(), 0, AabbTreeNode::none, max_height});
   while (!divided_.empty()) {
     const Part part = divided_.back();
     divided_.pop_back();
-    if (part.end - part.begin <= most) {
+    if (part.end - part.begin <= max) {
       parts_.push_back(part);
       continue;
     }

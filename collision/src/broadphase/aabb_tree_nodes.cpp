@@ -141,9 +141,9 @@ void AabbTreeNodes::update_height(std::int32_t node) {
 // makes a list.
 void AabbTreeNodes::balance(std::int32_t node) {
   // Low enough to bound the height by about twice the ideal, high enough to leave a rebuilt tree alone.
-  constexpr std::int32_t most_difference = 4;
+  constexpr std::int32_t max_difference = 4;
   const std::int32_t difference = height_of(at(node).child[0]) - height_of(at(node).child[1]);
-  if (difference >= -most_difference && difference <= most_difference) return;
+  if (difference >= -max_difference && difference <= max_difference) return;
   const int high = difference > 0 ? 0 : 1;
   const std::int32_t tall = at(node).child[high];
   ATL_ASSERT(Node::is_node(tall), node, tall);

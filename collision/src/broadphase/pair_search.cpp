@@ -62,8 +62,8 @@ bool moving_shapes_ask(const Proxies& proxies, std::span<const std::uint32_t> mo
 }
 
 // Counts the asking shapes that may meet fixed ones.
-std::size_t count_asking_fixed(const Proxies& proxies, const CollisionFilters& filters,
-                               std::span<const std::uint32_t> askers) {
+std::size_t count_askers_of_fixed(const Proxies& proxies, const CollisionFilters& filters,
+                                  std::span<const std::uint32_t> askers) {
   return static_cast<std::size_t>(std::count_if(askers.begin(), askers.end(), [&](std::uint32_t shape) {
     return proxies.kind(shape) == Kind::Moving && !meets_nothing(filters.filter(shape));
   }));
@@ -100,7 +100,7 @@ std::span<const Pair> PairSearch::find(Proxies& proxies, const CollisionFilters&
   if (query.moving_ask) list_askers(proxies, moves.shapes());
   const std::span<const std::uint32_t> askers = query.moving_ask ? askers_ : moves.shapes();
   if (proxies.fixed().is_behind()) {
-    looks += count_asking_fixed(proxies, filters, askers);
+    looks += count_askers_of_fixed(proxies, filters, askers);
     if (looks > max_looks) {
       proxies.take_in_fixed(arena);
       looks = 0;

@@ -12,8 +12,8 @@ namespace atl::collision {
 // Radix sort over the bytes of the key that differ at all; a few thousand shapes have four of them.
 void sort_pairs(std::vector<Pair>& pairs, std::vector<Pair>& scratch) {
   // Below, clearing the counters costs more than sorting does.
-  constexpr std::size_t least = 300;
-  if (pairs.size() < least) {
+  constexpr std::size_t min = 300;
+  if (pairs.size() < min) {
     std::sort(pairs.begin(), pairs.end());
     return;
   }

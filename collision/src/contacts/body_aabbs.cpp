@@ -140,7 +140,7 @@ void BodyAabbs::add(std::uint32_t body, bool fixed, const Filter& filter, const 
       bounds.aabb_margin[body] = 0;
     }
   });
-  note_swept(body, motions);
+  add_swept(body, motions);
 }
 
 void BodyAabbs::remove(std::uint32_t body, const ColliderTable& colliders, Broadphase& broadphase) {
@@ -160,7 +160,7 @@ void BodyAabbs::move(std::uint32_t body, const BodyMotions& motions, Broadphase&
       bounds.aabb_margin[body] = 0;
     }
   });
-  note_swept(body, motions);
+  add_swept(body, motions);
 }
 
 void BodyAabbs::mark_all_dirty() { std::fill(bounds.aabb_dirty.begin(), bounds.aabb_dirty.end(), std::uint8_t{1}); }
@@ -203,7 +203,7 @@ double BodyAabbs::swept_margin(std::uint32_t body, const BodyMotions& motions) c
   return swept > margin_room / approach_share * bounds.margin_limit[body] ? swept : 0;
 }
 
-void BodyAabbs::note_swept(std::uint32_t body, const BodyMotions& motions) {
+void BodyAabbs::add_swept(std::uint32_t body, const BodyMotions& motions) {
   ATL_ASSERT(swept_margins_[body] >= 0, body, swept_margins_[body]);
   const double swept = swept_margin(body, motions);
   if (swept > 0 && swept_margins_[body] == 0) swept_.push_back(body);
@@ -277,7 +277,7 @@ void BodyAabbs::update(std::span<const std::uint32_t> active, const BodyMotions&
       broadphase.move_box(collider, update.fat);
       any_new = true;
     });
-    if (any_new) note_swept(body, motions);
+    if (any_new) add_swept(body, motions);
   }
 }
 

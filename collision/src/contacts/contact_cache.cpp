@@ -52,7 +52,7 @@ std::uint32_t ContactCache::claim_slot() {
   }
   contacts[slot] = Contact{};
   manifolds[slot] = ContactManifold{};
-  idle_.note_change();
+  idle_.mark_all_stale();
   ++changes_;
   return slot;
 }
@@ -98,7 +98,7 @@ void ContactCache::release(std::uint32_t slot) {
   if (contacts[slot].part == 0) pairs.erase(contacts[slot].pair);
   state_[slot] = ContactState::Free;
   free_slots_.push_back(slot);
-  idle_.note_change();
+  idle_.mark_all_stale();
   ++changes_;
 }
 

@@ -39,7 +39,7 @@ struct ContactRange {
     ATL_ASSERT(stale_count < stale.size(), entry, stale_count);
     stale[stale_count++] = static_cast<std::uint32_t>(entry);
   }
-  void note_points(std::size_t entry) {
+  void record_points(std::size_t entry) {
     ATL_ASSERT(entry >= begin && entry - begin < points.size(), entry, begin);
     points[entry - begin] = contact(entry).count;
   }

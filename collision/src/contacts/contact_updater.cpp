@@ -136,7 +136,7 @@ void ContactUpdater::refresh_recycled() {
     const std::uint32_t entry = recycled_.entries[lane];
     if ((recycled >> lane & 1) != 0) {
       // A pair found apart is recycled as well: it stays apart, but for the tolerance, while it doesn't move.
-      range_.note_points(entry);
+      range_.record_points(entry);
       range_.status[entry] = range_.contact(entry).count > 0 ? ContactStatus::Touching : ContactStatus::Apart;
       range_.counts.recycled += range_.contact(entry).part == 0;
     } else {

@@ -8,14 +8,14 @@ namespace atl::collision {
 // A slot may have been given up and used again for another pair.
 void IdleContacts::update(std::span<const Contact> contacts, std::span<const ContactState> states) {
   const auto is_idle = [&](std::uint32_t slot) { return states[slot] == ContactState::Idle; };
-  jobs::erase_if(entries_, [&](const Entry& entry) { return !is_idle(entry.slot) || is_noted_[entry.slot] != 0; });
+  jobs::erase_if(entries_, [&](const Entry& entry) { return !is_idle(entry.slot) || is_new_[entry.slot] != 0; });
   const auto kept = static_cast<std::ptrdiff_t>(entries_.size());
-  for (const std::uint32_t slot : noted_) {
-    ATL_ASSERT(slot < states.size() && is_noted_[slot] == 1, slot, states.size());
-    is_noted_[slot] = 0;
+  for (const std::uint32_t slot : new_) {
+    ATL_ASSERT(slot < states.size() && is_new_[slot] == 1, slot, states.size());
+    is_new_[slot] = 0;
     if (is_idle(slot)) entries_.push_back({contacts[slot].pair.key(), contacts[slot].part, slot});
   }
-  noted_.clear();
+  new_.clear();
   const auto precedes = [](const Entry& a, const Entry& b) { return a.key == b.key ? a.part < b.part : a.key < b.key; };
   std::sort(entries_.begin() + kept, entries_.end(), precedes);
   std::inplace_merge(entries_.begin(), entries_.begin() + kept, entries_.end(), precedes);

@@ -14,10 +14,10 @@ namespace {
 
 // Sine of the angle between two normals, below which they count as parallel: some rounding of normals in single
 // precision.
-constexpr double least_lean = 1e-4;
+constexpr double min_lean = 1e-4;
 // The same sine for a normal that is that of a face of the moving shape, which rests on flush solids not quite flat
 // with that face.
-constexpr double least_lean_of_face = 0.045;
+constexpr double min_lean_of_face = 0.045;
 // Part of a contact's size by which flush surfaces may be out of line: a step of a hundredth is to stop things.
 constexpr double flush = 1e-3;
 // Cosine of the angle between a contact's normal and that of a face in whose plane it is taken to be: the normal may be
@@ -53,10 +53,10 @@ Vector3 vector_of(const float* v) { return Eigen::Map<const Eigen::Vector3f>(v).
 // The normal of the face of a shape to which a direction, in its frame, is nearly normal.
 std::optional<Vector3> face_along(const Shape& shape, const Vector3& direction) {
   std::optional<Vector3> nearest;
-  double most = along_face;
+  double max = along_face;
   const auto offer = [&](const Vector3& normal) {
-    if (normal.dot(direction) < most) return;
-    most = normal.dot(direction);
+    if (normal.dot(direction) < max) return;
+    max = normal.dot(direction);
     nearest = normal;
   };
   if (shape.kind == ShapeKind::Box) {
@@ -131,7 +131,7 @@ void InnerEdges::measure(const Contact& contact, const ContactManifold& manifold
   found.plane = face ? Vector3(turn * *face) : found.normal;
   const Vector3 against = colliders.pose(found.own, poses).orientation.conjugate() * -found.normal;
   const std::optional<Vector3> own = face_along(colliders.shape[found.own], against);
-  found.least_lean = own && (*own - against).norm() < least_lean ? least_lean_of_face : least_lean;
+  found.min_lean = own && (*own - against).norm() < min_lean ? min_lean_of_face : min_lean;
   ATL_ASSERT(!(std::abs(found.plane.squaredNorm() - 1) > 1e-5), found.mover, found.collider, found.plane.norm());
   if (is_convex_solid(shape.kind)) {
     found.offset = reach_of(input, found.collider, found.plane);
@@ -151,18 +151,18 @@ bool InnerEdges::ends_at(const ContactCache& cache, const ContactUpdateInput& in
   const PoseView& poses = input.poses;
   const Contact& of = cache.contacts[contact.slot];
   const Shape& shape = colliders.shape[contact.collider];
-  const double most = flush * static_cast<double>(of.size);
-  if (contact.own != other.own && -reach_of(input, contact.own, -other.plane) < other.offset - most) return false;
+  const double max = flush * static_cast<double>(of.size);
+  if (contact.own != other.own && -reach_of(input, contact.own, -other.plane) < other.offset - max) return false;
   if (is_convex_solid(shape.kind)) {
-    return std::abs(reach_of(input, contact.collider, other.plane) - other.offset) <= most;
+    return std::abs(reach_of(input, contact.collider, other.plane) - other.offset) <= max;
   }
   if (shape.kind == ShapeKind::HalfSpace) return false;
   const Pose pose = colliders.pose(contact.collider, poses);
   bool ends = true;
   each_point(of, cache.manifolds[contact.slot], poses, of.pair.first == contact.collider, [&](const Vector3& p) {
-    const Pose above{p + 3 * most * other.plane, Quaternion::Identity()};
-    ends = ends && std::abs(other.plane.dot(p) - other.offset) <= most &&
-           !overlaps(Shape::sphere(most), above, shape, pose);
+    const Pose above{p + 3 * max * other.plane, Quaternion::Identity()};
+    ends =
+        ends && std::abs(other.plane.dot(p) - other.offset) <= max && !overlaps(Shape::sphere(max), above, shape, pose);
   });
   return ends;
 }
@@ -172,7 +172,7 @@ void InnerEdges::find_of_mover(const ContactCache& cache, const ContactUpdateInp
   for (const OnGround& contact : contacts) {
     const auto hides_it = [&](const OnGround& other) {
       return (other.collider != contact.collider || other.own != contact.own) &&
-             contact.normal.cross(other.plane).norm() >= contact.least_lean && ends_at(cache, input, contact, other);
+             contact.normal.cross(other.plane).norm() >= contact.min_lean && ends_at(cache, input, contact, other);
     };
     if (std::ranges::any_of(contacts, hides_it)) inner_.push_back(contact.slot);
   }

@@ -20,15 +20,15 @@ constexpr double match_distance = 0.04;
 // By the inner radius of a solid: how far around it triangles are looked for, where none touches it, so that it can be
 // left alone for some steps; and how far off they have to be for that to be worth it.
 constexpr double surface_gap_share = 1;
-constexpr double least_surface_gap = 0.1;
+constexpr double min_surface_gap = 0.1;
 // How far around the ball that a solid lies in they are looked for first: as far as it gets in some steps, in radii
 // from the least to the most. And how far turning by 1 rad counts as bringing the ball nearer, in radii: it doesn't,
 // but a surface that is turned by hand (put_elsewhere) has to show.
 constexpr double ball_gap_steps = 4;
-constexpr double least_ball_gap = 0.5;
-constexpr double most_ball_gap = 1.2;
+constexpr double min_ball_gap = 0.5;
+constexpr double max_ball_gap = 1.2;
 constexpr double ball_radius_part = 1e-3;
-static_assert(ball_radius_part * put_elsewhere > most_ball_gap);
+static_assert(ball_radius_part * put_elsewhere > max_ball_gap);
 
 // The incident box's pose in the frame of the reference box, for one lane.
 Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference_is_second) {
@@ -41,7 +41,7 @@ Pose incident_in_reference(const BoxAxes& axes, std::size_t lane, bool reference
 
 // A manifold that starts with what is known of the pair's last one. Two that were apart have none: what isn't in the
 // first cache line of theirs isn't read.
-Manifold after_last(const Contact& contact, bool swapped) {
+Manifold manifold_after_last(const Contact& contact, bool swapped) {
   Manifold manifold;
   if (contact.gap > 0) return manifold;
   manifold.axis = contact.axis;
@@ -95,10 +95,10 @@ std::array<int, surface_parts> assign_to_parts(const SurfaceManifolds& found, co
   manifold_of.fill(-1);
   ATL_ASSERT(found.count >= 0 && found.count <= max_surface_manifolds, found.count);
   std::array<bool, surface_parts> assigned = {};
-  const auto assign_best = [&](double least_cosine) {
+  const auto assign_best = [&](double min_cosine) {
     for (int m = 0; m < found.count; ++m) {
       if (assigned[static_cast<std::size_t>(m)]) continue;
-      double best = least_cosine;
+      double best = min_cosine;
       std::size_t chosen = surface_parts;
       for (std::size_t part = 0; part < surface_parts; ++part) {
         if (manifold_of[part] >= 0) continue;
@@ -137,12 +137,12 @@ void ManifoldRecomputer::run() {
       const std::size_t first = entry - range_.contact(entry).part;
       ATL_ASSERT(first >= range_.begin && range_.contact(first + surface_parts - 1).pair == pair, entry, first);
       recompute_surface_parts(first);
-      for (std::size_t part = 0; part < surface_parts; ++part) range_.note_points(first + part);
+      for (std::size_t part = 0; part < surface_parts; ++part) range_.record_points(first + part);
     } else if (are_boxes(input_.colliders, pair)) {
       if (box_pairs_.add(entry)) recompute_boxes();
     } else {
       recompute(entry);
-      range_.note_points(entry);
+      range_.record_points(entry);
     }
   }
   recompute_boxes();
@@ -184,7 +184,7 @@ void ManifoldRecomputer::refresh_replaced() {
 // Does set_apart() for all parts of a solid and a surface that doesn't move. False, with nothing set, if they are too
 // near each other for the gap to last.
 bool ManifoldRecomputer::set_surface_apart(std::size_t entry, double margin, double gap, double radius) {
-  if (gap < margin + least_surface_gap * static_cast<double>(range_.contact(entry).size)) return false;
+  if (gap < margin + min_surface_gap * static_cast<double>(range_.contact(entry).size)) return false;
   for (std::size_t part = 0; part < max_surface_manifolds; ++part) {
     set_apart(entry + part, margin, gap, radius);
     auto& rises = range_.cache.rises;
@@ -230,7 +230,7 @@ void ManifoldRecomputer::recompute(std::size_t entry) {
   ATL_ASSERT(is_convex_solid(lower.kind), pair.first, pair.second, static_cast<int>(lower.kind));
   const Pose in_lower = swap ? relative(second, first) : relative(first, second);
   const bool bounded = is_convex_solid(higher.kind);
-  Manifold manifold = after_last(contact, swap);
+  Manifold manifold = manifold_after_last(contact, swap);
   if (bounded && !manifold.known) {
     const double gap = centre_line(lower, {Vector3::Zero(), Quaternion::Identity()}, higher, in_lower).gap;
     if (gap > margin) {
@@ -281,7 +281,7 @@ void ManifoldRecomputer::recompute_boxes() {
     const std::uint32_t entry = box_pairs_.entries[lane];
     const Contact& contact = range_.contact(entry);
     const double margin = margin_of(contact, input_);
-    Manifold manifold = after_last(contact, false);
+    Manifold manifold = manifold_after_last(contact, false);
     const auto& shapes = input_.colliders.shape;
     count_source(collide_boxes(shapes[contact.pair.first].half_extents, shapes[contact.pair.second].half_extents,
                                box_axes_, lane, margin, manifold));
@@ -290,7 +290,7 @@ void ManifoldRecomputer::recompute_boxes() {
     } else {
       replace(entry, manifold, incident_in_reference(box_axes_, lane, manifold.reference_is_second), margin);
     }
-    range_.note_points(entry);
+    range_.record_points(entry);
   }
 }
 
@@ -319,12 +319,12 @@ void ManifoldRecomputer::recompute_surface_parts(std::size_t entry) {
     const double radius = colliders.shape[solid].bounding_radius;
     const StepReach& reach = input_.reaches[colliders.body[solid]];
     const double ahead = ball_gap_steps * (shift_between(contact, input_).norm() + static_cast<double>(reach.turn));
-    const double most = margin + std::clamp(ahead, least_ball_gap * radius, most_ball_gap * radius);
-    const double gap = gap_of_ball(incident.position, radius, colliders.shape[surface], most);
+    const double max = margin + std::clamp(ahead, min_ball_gap * radius, max_ball_gap * radius);
+    const double gap = gap_of_ball(incident.position, radius, colliders.shape[surface], max);
     if (set_surface_apart(entry, margin, gap, ball_radius_part * radius)) return;
   }
-  const double most_gap = stands_still ? margin + surface_gap_share * static_cast<double>(contact.size) : 0;
-  collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift, most_gap);
+  const double max_gap = stands_still ? margin + surface_gap_share * static_cast<double>(contact.size) : 0;
+  collide_surface(colliders.shape[solid], colliders.shape[surface], incident, margin, found, shift, max_gap);
   if (found.count == 0 && stands_still && set_surface_apart(entry, margin, found.gap, radius_of(input_, pair))) return;
 
   const auto manifold_of =

@@ -37,7 +37,7 @@ bool stayed_inside(const CcdStep& step, const FastBody& fast, std::uint32_t coll
 
 // Replaces the AABBs that bodies left by ones that cover their motion, so that fast bodies find each other. All motions
 // are as the solver made them, before any body is put back.
-void note_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
+void update_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
   const ColliderTable& colliders = step.motions.colliders;
   // With few fast bodies, queries of the tree take less time than a pass over all contacts.
   constexpr std::size_t few = 16;
@@ -146,7 +146,7 @@ void CcdCandidates::find_by_tree(const CcdStep& step, std::uint32_t number, cons
 
 void CcdCandidates::find(CcdStep& step, Broadphase& broadphase, jobs::Arena& arena) {
   broadphase.take_in(arena);
-  note_left_aabbs(step, broadphase, arena);
+  update_left_aabbs(step, broadphase, arena);
   scratch_.for_each([](Scratch& of_worker) { of_worker.candidates.clear(); });
   const std::span<const FastBody> fast = step.fast;
   const bool by_contacts = std::any_of(fast.begin(), fast.end(), [](const FastBody& body) { return !body.queried; });

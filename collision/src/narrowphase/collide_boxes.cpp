@@ -197,7 +197,7 @@ bool face_stands_in(const BoxPair& pair, const fcl_narrowphase::Axis& edge, cons
   const double cosine = outward_normal(face, pair.rotation).dot(edge.normal);
   if (cosine < (is_previous ? 1 - 6e-4 : same_way)) return false;
   face_manifold(pair, face, margin, manifold);
-  if (std::abs(manifold.least_separation() - edge.separation) <= 2e-3 * size) return true;
+  if (std::abs(manifold.min_separation() - edge.separation) <= 2e-3 * size) return true;
   manifold.count = 0;
   return false;
 }

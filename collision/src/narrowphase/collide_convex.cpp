@@ -118,8 +118,8 @@ References reference_faces(const Solids& solids, const LocalAxis& axis, std::uin
 // The polygon that stands for a disc is a little wider: corners outside the disc are moved in, towards the middle of
 // the outline, which keeps them on both faces.
 void trim_to_disc(Outline& outline, double radius, double slack) {
-  const double most = (radius + slack) * (radius + slack);
-  const auto outside = [&](const Vector3& p) { return p.x() * p.x() + p.y() * p.y() > most; };
+  const double max = (radius + slack) * (radius + slack);
+  const auto outside = [&](const Vector3& p) { return p.x() * p.x() + p.y() * p.y() > max; };
   Vector3 inner = Vector3::Zero();
   for (int i = 0; i < outline.count; ++i) inner += outline.corners[static_cast<std::size_t>(i)].position;
   inner /= std::max(outline.count, 1);
@@ -208,19 +208,19 @@ bool stands_in_nearby(const Solids& solids, const Reference& reference, const Ma
   constexpr double lean = 1.4e-3;  // rad
   if (manifold.count < 2) return false;
   const double size = solids.pair.size();
-  double least = INFINITY;
-  double most = -INFINITY;
+  double min = INFINITY;
+  double max = -INFINITY;
   int deepest = 0;
   for (int i = 0; i < manifold.count; ++i) {
     const double separation = manifold.points[static_cast<std::size_t>(i)].separation;
-    if (separation < least) deepest = i;
-    least = std::min(least, separation);
-    most = std::max(most, separation);
+    if (separation < min) deepest = i;
+    min = std::min(min, separation);
+    max = std::max(max, separation);
   }
-  if (!(least - reference.separation <= depth_tolerance * size)) return false;
+  if (!(min - reference.separation <= depth_tolerance * size)) return false;
   const auto at = [&](int i) -> const Vector3& { return manifold.points[static_cast<std::size_t>(i)].position; };
   const Vector3 d = at(1) - at(0);
-  const double gain = most - reference.separation;
+  const double gain = max - reference.separation;
   if (manifold.count > 2) {
     // Points 0 and 1 lie opposite each other, and so do 2 and 3. A convex outline is as wide as its area by its
     // diameter.
@@ -312,7 +312,7 @@ bool line_manifold(const Solids& solids, const LocalAxis& axis, double margin, M
       const SurfaceLine& line = second.lines[static_cast<std::size_t>(j)];
       manifold.count = 0;
       if (!line_points(first.lines[static_cast<std::size_t>(i)], line, axis.normal, margin, manifold)) continue;
-      const double error = std::abs(manifold.least_separation() - axis.separation);
+      const double error = std::abs(manifold.min_separation() - axis.separation);
       if (error <= depth_tolerance * solids.pair.size()) return true;
     }
   }
@@ -372,7 +372,7 @@ bool face_contact(const Solids& solids, const LocalAxis& axis, double margin, st
     face_manifold(solids, reference, axis, margin, manifold);
     if (manifold.count == 0) continue;
     const double allowed = reference.packed() == previous ? hysteresis : depth_tolerance;
-    if (std::abs(manifold.least_separation() - axis.separation) <= allowed * size) return true;
+    if (std::abs(manifold.min_separation() - axis.separation) <= allowed * size) return true;
   }
   for (int i = 0; i < references.count; ++i) {
     const Reference& reference = references.faces[static_cast<std::size_t>(i)];

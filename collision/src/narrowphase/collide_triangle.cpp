@@ -254,7 +254,7 @@ void touch_vertex(const SurfaceSolid& solid, const Triangle& triangle, const Tri
 // True if a plane through a side of the triangle keeps the solid farther off than the margin. No plane can if the
 // solid's centre is within the margin plus the solid's least reach in any direction, which settles most cases early.
 bool is_beside(const SurfaceSolid& solid, const Triangle& face, double margin) {
-  const double near = margin + (1 - 1e-9) * solid.least_reach;
+  const double near = margin + (1 - 1e-9) * solid.min_reach;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vector3& tail = face.vertices[i];
     const Vector3 across = (face.vertices[(i + 1) % 3] - tail).cross(face.normal);

@@ -226,7 +226,7 @@ double SolidPair::separation_along(const Vector3& normal) const {
 bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Core& second, LocalAxis& axis) {
   if (!pair.has_round()) return false;
   constexpr int last_level = Core::levels - 1;
-  constexpr int most_rounds = 10;
+  constexpr int max_rounds = 10;
   // rad, by level: as far as the sides are dense; of the last, where they are less than 0.1 degrees apart.
   constexpr std::array<double, Core::levels> settled = {0.6, 0.25, 0.03, 2e-3};
   const bool first_round = is_round(pair.first.kind);
@@ -238,7 +238,7 @@ bool refine_axis(const SolidPair& pair, const KnownAxis& known, Core& first, Cor
   About about =
       known.exists ? look_where_known(pair, known) : look_closer(pair, first.polytope(), second.polytope(), axis);
   int level = known.exists ? last_level : 1;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     if (first_round) first.build(pair.first, level, about.first);
     if (second_round) second.build(pair.second, level, about.second);
     GaussMapDescent descent(first.polytope(), second.polytope(), pair.position, pair.rotation);

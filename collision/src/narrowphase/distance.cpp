@@ -131,7 +131,7 @@ namespace {
 // Takes a manifold's depth and deepest point if it is deeper than what was found. `reference`: the pose of the
 // reference shape.
 void take_depth(const Manifold& manifold, const Pose& reference, bool reference_is_solid, Distance& result) {
-  const double separation = manifold.least_separation();
+  const double separation = manifold.min_separation();
   if (!(separation < result.distance)) return;
   const Vector3 normal = reference.orientation * manifold.normal;
   const Vector3& deepest = manifold.points[static_cast<std::size_t>(manifold.deepest())].position;

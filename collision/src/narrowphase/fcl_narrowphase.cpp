@@ -79,10 +79,10 @@ struct Body {
   double grown = 0;                  // m, in all directions
   int questions = 0;
 
-  static constexpr int most_questions = 1000;
+  static constexpr int max_questions = 1000;
 
   Vector3 support(const Vector3& direction) {
-    if (++questions > most_questions) return -1e6 * (shape->bounding_radius + position.norm() + 1) * direction;
+    if (++questions > max_questions) return -1e6 * (shape->bounding_radius + position.norm() + 1) * direction;
     const Vector3 local = rotation.transpose() * direction;
     return position + rotation * local_support(local);
   }

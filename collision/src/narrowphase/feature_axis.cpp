@@ -168,8 +168,8 @@ bool from_line(const Boundary& line, const Boundary& other, Vector3& outward) {
   const double length = m.norm();
   if (!(length > 0.1)) return false;
   m = line.lean * line.along + k / length * m;
-  constexpr int most_steps = 12;
-  for (int step = 0; step < most_steps; ++step) {
+  constexpr int max_steps = 12;
+  for (int step = 0; step < max_steps; ++step) {
     // With m turning about the line by an angle, s = m . w - r sqrt(1 - (m . a)^2), and its derivatives.
     const Vector3 radial = m - line.lean * line.along;
     const Vector3 tangent = line.along.cross(radial);

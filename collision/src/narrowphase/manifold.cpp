@@ -16,14 +16,14 @@ int best_point(int count, double tolerance, const Score& score) {
   ATL_ASSERT(count > 0 && count <= max_points_to_reduce, count);
   ATL_ASSERT(!(tolerance < 0), tolerance);
   std::array<double, max_points_to_reduce> scores;
-  double most = -std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < count; ++i) {
     scores[static_cast<std::size_t>(i)] = score(i);
-    most = std::max(most, scores[static_cast<std::size_t>(i)]);
+    max = std::max(max, scores[static_cast<std::size_t>(i)]);
   }
-  const double least = most - tolerance - 1e-3 * std::max(most, 0.0);
+  const double min = max - tolerance - 1e-3 * std::max(max, 0.0);
   int best = 0;
-  while (best + 1 < count && !(scores[static_cast<std::size_t>(best)] >= least)) ++best;
+  while (best + 1 < count && !(scores[static_cast<std::size_t>(best)] >= min)) ++best;
   return best;
 }
 
@@ -55,10 +55,10 @@ void reduce_points(const Manifold::Point* points, int count, Manifold& manifold)
   const auto from = [&](int i, int origin) { return (at(i) - at(origin)).squaredNorm(); };
   double extent = 0;
   for (int i = 1; i < count; ++i) extent = std::max(extent, from(i, 0));
-  double least = points[0].separation;
-  for (int i = 1; i < count; ++i) least = std::min(least, points[i].separation);
+  double min = points[0].separation;
+  for (int i = 1; i < count; ++i) min = std::min(min, points[i].separation);
   // The tolerance for depths is small, because a shape that rests tilted by a hair must rest on its lowest points.
-  const int deepest = best_point(count, 1e-5 * std::sqrt(extent), [&](int i) { return least - points[i].separation; });
+  const int deepest = best_point(count, 1e-5 * std::sqrt(extent), [&](int i) { return min - points[i].separation; });
   const int farthest = best_point(count, 0, [&](int i) { return from(i, deepest); });
   const Vector3 line = at(farthest) - at(deepest);
   const auto side = [&](int i) { return line.cross(at(i) - at(deepest)).dot(manifold.normal); };

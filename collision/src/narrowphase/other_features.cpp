@@ -73,7 +73,7 @@ class OtherFeatures {
   }
 
  private:
-  static constexpr std::size_t most = max_points + 2 * 8 + 12 * 12;
+  static constexpr std::size_t max = max_points + 2 * 8 + 12 * 12;
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static Vector3 corner_of(const Vector3& half, int corner) {
@@ -111,12 +111,12 @@ class OtherFeatures {
   };
 
   // m: what of an edge may count rises at least so far along the direction.
-  static void list_edges(const Vector3& half, const Vector3& direction, double least, Edges& found) {
+  static void list_edges(const Vector3& half, const Vector3& direction, double min, Edges& found) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      const double most_along = half[axis] * std::abs(direction[axis]);
+      const double max_distance_along = half[axis] * std::abs(direction[axis]);
       for (int number = 0; number < 4; ++number) {
         const SupportEdge edge = box_edge(half, axis, number);
-        if (!looks_along(edge, direction) || edge.middle.dot(direction) + most_along < least) continue;
+        if (!looks_along(edge, direction) || edge.middle.dot(direction) + max_distance_along < min) continue;
         found.edges[at(found.count++)] = {edge.middle, static_cast<int>(axis), edge.sides};
       }
     }
@@ -153,7 +153,7 @@ class OtherFeatures {
   Vector3 normal_;
   Vector3 seen_;  // from the incident box
   double lowest_ = 0, highest_ = 0;
-  std::array<Manifold::Point, most> points_;
+  std::array<Manifold::Point, max> points_;
   int count_ = 0;
 };
 

@@ -12,7 +12,7 @@ namespace atl::collision {
 namespace {
 
 // Cores that are nearer than this part of their radii have no direction that rounding leaves.
-constexpr double least_apart = 1e-3;
+constexpr double min_distance_share = 1e-3;
 
 // The second moved by a way, seen by GJK.
 struct CorePair {
@@ -29,7 +29,7 @@ struct CorePair {
   GjkResult distance(const Vector3& way, const Vector3& guess) const {
     return gjk_distance(first, second, {pair.position + way, pair.rotation}, guess);
   }
-  bool parted(const GjkResult& found) const { return found.distance > least_apart * radii; }
+  bool parted(const GjkResult& found) const { return found.distance > min_distance_share * radii; }
 
   LocalAxis axis(const Vector3& normal, const Vector3& on_second) const {
     LocalAxis axis;
@@ -64,10 +64,10 @@ void try_sides(const SolidPair& pair, const Shape& shape, const Polytope& core, 
 void climb(const SolidPair& pair, Vector3& normal) {
   constexpr double diagonal = 0.70710678118654752;
   constexpr double first_step = 0.2, last_step = 1e-4, shrink = 0.5;  // rad
-  constexpr int most_rounds = 60;
+  constexpr int max_rounds = 60;
   double best = pair.separation_along(normal);
   double step = first_step;
-  for (int round = 0; round < most_rounds && step > last_step; ++round) {
+  for (int round = 0; round < max_rounds && step > last_step; ++round) {
     const Vector3 u = normal.unitOrthogonal();
     const Vector3 v = normal.cross(u);
     const Vector3 before = normal;
@@ -107,12 +107,12 @@ LocalAxis deep_axis(const CorePair& cores, const Vector3& start) {
   const SolidPair& pair = cores.pair;
   // Each shortens what is left of an error to the depth's part of the radius of curvature and more: by half as deep as
   // that, to 1e-5.
-  constexpr int most_rounds = 16;
+  constexpr int max_rounds = 16;
   constexpr double still = 1 - 1e-14;
   Vector3 normal = start;
   LocalAxis best = cores.axis(normal, Vector3::Zero());
   best.on_second = pair.position + pair.rotation * support_point(pair.second, pair.rotation.transpose() * -normal);
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     const Vector3 way = -pair.separation_along(normal) * normal;
     const GjkResult found = cores.distance(way, normal);
     if (!cores.parted(found)) break;

@@ -104,9 +104,9 @@ SurfaceDistance from_tapered_capsule(const Shape& shape, const Vector3& point) {
 // to the root without passing it. Unknown is s = t + least e_i^2, in which nothing cancels.
 SurfaceDistance from_ellipsoid(const Vector3& half_axes, const Vector3& point) {
   Eigen::Index shortest = 0;
-  const double least = half_axes.minCoeff(&shortest);
-  const Vector3 e = half_axes / least;
-  const Vector3 p = point / least;
+  const double min = half_axes.minCoeff(&shortest);
+  const Vector3 e = half_axes / min;
+  const Vector3 p = point / min;
   const Vector3 beyond = (e - Vector3::Ones()).cwiseProduct(e + Vector3::Ones());  // e_i^2 - 1
   const Vector3 pull = e.cwiseProduct(p.cwiseAbs());
   double s = std::max(0.0, (pull - beyond).maxCoeff());
@@ -124,11 +124,11 @@ SurfaceDistance from_ellipsoid(const Vector3& half_axes, const Vector3& point) {
     if (rest > 0) {
       gradient[shortest] = std::sqrt(rest);
       const double length = gradient.norm();
-      return {gradient / length, -least * length};
+      return {gradient / length, -min * length};
     }
   }
-  constexpr int most_steps = 60;
-  for (int step = 0; step < most_steps; ++step) {
+  constexpr int max_steps = 60;
+  for (int step = 0; step < max_steps; ++step) {
     double value = -1;
     double slope = 0;
     for (Eigen::Index i = 0; i < 3; ++i) {
@@ -143,7 +143,7 @@ SurfaceDistance from_ellipsoid(const Vector3& half_axes, const Vector3& point) {
   }
   const Vector3 gradient = gradient_at(s);
   const double length = gradient.norm();
-  return {gradient / length, least * (s - 1) * length};
+  return {gradient / length, min * (s - 1) * length};
 }
 
 }  // namespace

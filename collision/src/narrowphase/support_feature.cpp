@@ -49,8 +49,8 @@ void disc_outline(double radius, double height, double inner_radius, bool up, co
                   Outline& outline) {
   const double tilt = length_2d(direction.x(), direction.y());
   int moved = -1;
-  constexpr double most_missed = 0.0761204674887133;  // 1 - cos(22.5 degrees)
-  if (tilt * radius * most_missed > flat_miss * inner_radius) {
+  constexpr double max_miss = 0.0761204674887133;  // 1 - cos(22.5 degrees)
+  if (tilt * radius * max_miss > flat_miss * inner_radius) {
     double farthest = -1;
     for (int i = 0; i < rim_points; ++i) {
       const auto& p = rim[static_cast<std::size_t>(i)];

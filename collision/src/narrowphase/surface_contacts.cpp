@@ -76,10 +76,10 @@ bool can_push_at_vertex(const Shape& surface, const Vector3& vertex, const Vecto
 // Triangles that look other ways than the smooth surface where a ball touches it are none of it.
 constexpr double same_sheet = 0.96592582628906831;  // cosine of 15 degrees
 // A surface that bends by more within a step is one that the ball hits: a quarter of a radian, and its cosine.
-constexpr double most_bend = 0.25;
-constexpr double least_bend_cosine = 0.96891242171064473;
+constexpr double max_bend = 0.25;
+constexpr double min_bend_cosine = 0.96891242171064473;
 // rad: of less than that no facet rises against a ball.
-constexpr double least_bend = 1e-4;
+constexpr double min_bend = 1e-4;
 
 // The triangle on whose front a point is nearest.
 struct Nearest {
@@ -103,7 +103,7 @@ struct Nearest {
 class NearBall {
  public:
   NearBall(const Shape& surface, const Vector3& shift, double reach)
-      : surface_(surface), grown_by_((1 + most_bend) * shift.norm()) {
+      : surface_(surface), grown_by_((1 + max_bend) * shift.norm()) {
     is_whole_ = grown_by_ <= reach;
     if (!is_whole_) grown_by_ = 0;
   }
@@ -113,7 +113,7 @@ class NearBall {
     is_whole_ &= count_ < numbers_.size();
     if (is_whole_) numbers_[count_++] = number;
   }
-  /// To a point no farther from the ball's centre than it shifts, within a reach that has grown as `most_bend` says.
+  /// To a point no farther from the ball's centre than it shifts, within a reach that has grown as `max_bend` says.
   Nearest nearest_to(const Vector3& point, double reach) const {
     Nearest nearest;
     const auto look_at = [&](std::uint32_t number) { nearest.look_at(number, face_of(surface_, number), point); };
@@ -197,11 +197,11 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
   Manifold& manifold = *replaced;
   const Vector3 along = shift - shift.dot(start.normal) * start.normal;
   manifold.normal = start.normal;
-  const double reach_ahead = reach + along.norm() * most_bend;
+  const double reach_ahead = reach + along.norm() * max_bend;
   const Nearest ahead = near.nearest_to(centre + along, reach_ahead);
   if (ahead.distance <= reach_ahead) {
     const SmoothPlace end(surface, ahead, centre + along);
-    if (start.normal.dot(end.normal) > least_bend_cosine) {
+    if (start.normal.dot(end.normal) > min_bend_cosine) {
       manifold.normal = (start.normal + end.normal).normalized();
       manifold.rise = -0.5 * (end.normal - start.normal).dot(along);
     }
@@ -220,9 +220,9 @@ void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centr
   const Vector3 normal = (centre - start.foot) / start.distance;
   const Vector3 along = shift - shift.dot(normal) * normal;
   const double length = along.norm();
-  const Nearest end = near.nearest_to(centre + along, reach + most_bend * length);
+  const Nearest end = near.nearest_to(centre + along, reach + max_bend * length);
   const double rise = start.distance - end.distance;  // minus infinity where there is none
-  if (!(rise > least_bend * length) || rise > most_bend * length) return;
+  if (!(rise > min_bend * length) || rise > max_bend * length) return;
   Manifold* const manifold = replace_sheet(normal, material_of(surface, start.number), result);
   if (manifold == nullptr) return;
   manifold->normal = (normal - rise / (length * length) * along).normalized();
@@ -233,8 +233,8 @@ void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centr
 // A lower bound of a solid's distance from triangles, by its box and ball, up to a limit.
 class SurfaceGap {
  public:
-  SurfaceGap(const SurfaceSolid& solid, const Bounds& bounds, double most)
-      : position_(solid.position), radius_(solid.shape.bounding_radius), bounds_(bounds), gap_(most) {}
+  SurfaceGap(const SurfaceSolid& solid, const Bounds& bounds, double max)
+      : position_(solid.position), radius_(solid.shape.bounding_radius), bounds_(bounds), gap_(max) {}
 
   void look_at(const std::array<Vector3, 3>& triangle) {
     const auto& [a, b, c] = triangle;
@@ -266,13 +266,13 @@ bool is_smooth(const Shape& surface) {
   return surface.kind == ShapeKind::HeightField && surface.field != nullptr && surface.field->smooth;
 }
 
-double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, double most) {
+double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, double max) {
   if (!is_surface(surface.kind) || !centre.allFinite()) return 0;
-  double square = (radius + most) * (radius + most);
+  double square = (radius + max) * (radius + max);
   const auto look_at = [&](const std::array<Vector3, 3>& triangle) {
     square = std::min(square, (closest_point_of_triangle(triangle, centre) - centre).squaredNorm());
   };
-  const Aabb around = grown({centre, centre}, radius + most);
+  const Aabb around = grown({centre, centre}, radius + max);
   if (surface.kind == ShapeKind::Mesh) {
     const TriangleMesh& mesh = *surface.mesh;
     mesh.tree.query_boxes(around, [&](std::uint32_t number, const Aabb& box) {
@@ -287,7 +287,7 @@ double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, d
 }
 
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
-                     SurfaceManifolds& result, const Vector3& shift, double most_gap) {
+                     SurfaceManifolds& result, const Vector3& shift, double max_gap) {
   result.count = 0;
   result.gap = 0;
   if (!is_convex_solid(solid.kind) || !is_surface(surface.kind)) return;
@@ -324,9 +324,9 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
     const auto follow = is_smooth(surface) ? follow_smooth_surface : follow_facets;
     follow(solid, surface, placed.position, margin, shift, nearest, near, result);
   }
-  if (result.count > 0 || !(most_gap > 0)) return;
-  SurfaceGap gap(placed, bounds, most_gap);
-  visit_near(surface, grown(bounds, most_gap),
+  if (result.count > 0 || !(max_gap > 0)) return;
+  SurfaceGap gap(placed, bounds, max_gap);
+  visit_near(surface, grown(bounds, max_gap),
              [&](std::uint32_t number) { gap.look_at(face_of(surface, number).vertices); });
   result.gap = gap.gap();
 }

@@ -57,8 +57,8 @@ Edge edge_of(const Triangle& triangle, std::size_t i) {
 
 class Search {
  public:
-  Search(const SurfaceSolid& solid, const Triangle& triangle, double height, double most)
-      : solid_(solid), triangle_(triangle), most_(most), tolerance_(1e-9 * solid.shape.inner_radius) {
+  Search(const SurfaceSolid& solid, const Triangle& triangle, double height, double max)
+      : solid_(solid), triangle_(triangle), max_(max), tolerance_(1e-9 * solid.shape.inner_radius) {
     best_.normal = triangle.normal;
     best_.separation = height;
   }
@@ -97,7 +97,7 @@ class Search {
   }
 
  private:
-  bool is_parted() const { return best_.separation > most_; }
+  bool is_parted() const { return best_.separation > max_; }
 
   // True if another direction may part the two farther than the best so far. If the support point of the best is as far
   // from the triangle as the best separation, that is the distance, and no direction can be better.
@@ -138,8 +138,8 @@ class Search {
     const Vector3 to_lowest = lowest_ - edge.tail;
     const Turn apart{triangle_.normal.dot(to_lowest), edge.outward.dot(to_lowest)};
     const bool within = apart.out > 0 && apart.cross(end_) > 0;
-    const double most = within ? hypotenuse(apart.up, apart.out) : std::max(apart.up, apart.dot(end_));
-    return improves(most);
+    const double max = within ? hypotenuse(apart.up, apart.out) : std::max(apart.up, apart.dot(end_));
+    return improves(max);
   }
 
   void offer(const Turn& turn, double separation, const Vector3& first, const Vector3* second = nullptr) {
@@ -161,11 +161,11 @@ class Search {
   void walk() {
     const Polytope& polytope = solid_.core.polytope();
     const double radius = solid_.core.radius();
-    constexpr int most_steps = 255;
+    constexpr int max_steps = 255;
     Turn at{1, 0};
     if (lowest_vertex_ < 0) lowest_vertex_ = polytope.support(-up_);
     int vertex = lowest_vertex_;
-    for (int step = 0; step < most_steps; ++step) {
+    for (int step = 0; step < max_steps; ++step) {
       const Vector3& x = polytope.vertices[vertex];
       Turn stop = end_;
       double nearest = angle_measure(at, end_);
@@ -376,8 +376,8 @@ class Search {
     if (polytope.hull != nullptr) return try_faces_in_lanes(*polytope.hull, seen, slack);
     for (int f = 0; f < polytope.face_count; ++f) {
       const auto& [normal, offset] = polytope.planes[f];
-      const double least = std::min({normal.dot(seen[0]), normal.dot(seen[1]), normal.dot(seen[2])}) - offset;
-      if (least + slack > best_.separation) try_face_on_vertices(normal, offset);
+      const double min = std::min({normal.dot(seen[0]), normal.dot(seen[1]), normal.dot(seen[2])}) - offset;
+      if (min + slack > best_.separation) try_face_on_vertices(normal, offset);
     }
   }
 
@@ -391,11 +391,11 @@ class Search {
       const auto over = [&](const Vector3& point) -> Lanes {
         return (column(0) * point.x() + column(1) * point.y()) + column(2) * point.z();
       };
-      const Lanes least = over(seen[0]).min(over(seen[1])).min(over(seen[2])) - column(3) + slack;
-      if (!(least.maxCoeff() > best_.separation)) continue;
+      const Lanes min = over(seen[0]).min(over(seen[1])).min(over(seen[2])) - column(3) + slack;
+      if (!(min.maxCoeff() > best_.separation)) continue;
       for (std::size_t lane = 0; lane < Hull::lanes && i + lane < hull.planes.size(); ++lane) {
         const Hull::Plane& plane = hull.planes[i + lane];
-        if (least[static_cast<Eigen::Index>(lane)] > best_.separation) try_face_on_vertices(plane.normal, plane.offset);
+        if (min[static_cast<Eigen::Index>(lane)] > best_.separation) try_face_on_vertices(plane.normal, plane.offset);
       }
     }
   }
@@ -418,7 +418,7 @@ class Search {
 
   const SurfaceSolid& solid_;
   const Triangle& triangle_;
-  double most_;       // m
+  double max_;        // m
   double tolerance_;  // m
   std::array<Edge, 3> edges_;
   TriangleAxis best_;
@@ -433,8 +433,8 @@ class Search {
 
 }  // namespace
 
-TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double most) {
-  return Search(solid, triangle, height, most).run();
+TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double max) {
+  return Search(solid, triangle, height, max).run();
 }
 
 }  // namespace atl::collision

@@ -12,16 +12,16 @@ struct SurfaceSolid {
   const Shape& shape;
   Vector3 position;  ///< m
   Matrix3 rotation;
-  double least_reach;  ///< m: along every direction it reaches as far as that at least; or minus infinity
+  double min_reach;  ///< m: along every direction it reaches as far as that at least; or minus infinity
   Core core;
 
   SurfaceSolid(const Shape& solid, const Pose& pose)
-      : shape(solid), position(pose.position), rotation(pose.orientation.toRotationMatrix()), least_reach(0) {
-    if (solid.kind == ShapeKind::Sphere) least_reach = solid.radius;
-    if (solid.kind == ShapeKind::Box) least_reach = solid.half_extents.minCoeff();
-    if (solid.kind == ShapeKind::Ellipsoid) least_reach = solid.inner_radius;
-    if (solid.kind == ShapeKind::TaperedCapsule) least_reach = 0.5 * (solid.radius + solid.top_radius);
-    if (solid.kind == ShapeKind::Hull) least_reach = solid.hull->least_reach;
+      : shape(solid), position(pose.position), rotation(pose.orientation.toRotationMatrix()), min_reach(0) {
+    if (solid.kind == ShapeKind::Sphere) min_reach = solid.radius;
+    if (solid.kind == ShapeKind::Box) min_reach = solid.half_extents.minCoeff();
+    if (solid.kind == ShapeKind::Ellipsoid) min_reach = solid.inner_radius;
+    if (solid.kind == ShapeKind::TaperedCapsule) min_reach = 0.5 * (solid.radius + solid.top_radius);
+    if (solid.kind == ShapeKind::Hull) min_reach = solid.hull->min_reach;
     core.build(solid);
   }
 
@@ -67,7 +67,7 @@ inline bool is_border(const Triangle& triangle, std::size_t edge) {
 /// Around an edge the separation is piecewise smooth in the angle: a polytope's support vertices are walked
 /// through, each with its closed form; those of all that is round about an axis, and of ellipsoids, are searched.
 ///
-/// The search ends at an axis that parts the two by more than `most` (m), which then may not be the best.
-TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double most);
+/// The search ends at an axis that parts the two by more than `max` (m), which then may not be the best.
+TriangleAxis find_triangle_axis(const SurfaceSolid& solid, const Triangle& triangle, double height, double max);
 
 }  // namespace atl::collision

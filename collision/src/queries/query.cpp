@@ -202,10 +202,10 @@ bool find_closest(const QueryScene& scene, const Shape& solid, const Pose& pose,
                   ColliderDistance& closest) {
   const Proxies& proxies = scene.broadphase.proxies();
   const Bounds bounds = bounds_of(solid, pose.position, pose.orientation.toRotationMatrix());
-  const double least = 1e-3 * limit;
+  const double min = 1e-3 * limit;
   // A point's first reach may come to nothing, of which there is no multiple.
   const auto farther = [limit](double reach) { return reach > 0 ? std::min(4 * reach, limit) : limit; };
-  for (double reach = std::max(least, std::min(limit, solid.bounding_radius));; reach = farther(reach)) {
+  for (double reach = std::max(min, std::min(limit, solid.bounding_radius));; reach = farther(reach)) {
     bool found = false;
     const Vector3 margin = Vector3::Constant(reach);
     proxies.query_box(Aabb::around(bounds.lower - margin, bounds.upper + margin), [&](std::uint32_t collider) {

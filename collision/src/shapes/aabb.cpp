@@ -47,9 +47,9 @@ Bounds bounds_of_hull(const Hull& hull, const Vector3& position, const Matrix3& 
       upper[axis] = upper[axis].max(turned[axis]);
     }
   }
-  const Vector3 least(lower[0].minCoeff(), lower[1].minCoeff(), lower[2].minCoeff());
-  const Vector3 most(upper[0].maxCoeff(), upper[1].maxCoeff(), upper[2].maxCoeff());
-  return {position + least, position + most};
+  const Vector3 min(lower[0].minCoeff(), lower[1].minCoeff(), lower[2].minCoeff());
+  const Vector3 max(upper[0].maxCoeff(), upper[1].maxCoeff(), upper[2].maxCoeff());
+  return {position + min, position + max};
 }
 
 Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& position, const Matrix3& rotation) {

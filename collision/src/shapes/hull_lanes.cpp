@@ -43,25 +43,25 @@ void Hull::find_columns() {
       plane_columns.push_back(column < 3 ? plane.normal[column] : plane.offset);
     }
   }
-  least_reach = std::numeric_limits<double>::infinity();
-  for (const Plane& plane : planes) least_reach = std::min(least_reach, plane.offset);
-  if (least_reach < 0) least_reach = -std::numeric_limits<double>::infinity();
+  min_reach = std::numeric_limits<double>::infinity();
+  for (const Plane& plane : planes) min_reach = std::min(min_reach, plane.offset);
+  if (min_reach < 0) min_reach = -std::numeric_limits<double>::infinity();
 }
 
 double Hull::reach(const Vector3& direction) const {
-  Lanes most = Lanes::Constant(-std::numeric_limits<double>::infinity());
-  visit_reaches(*this, direction, [&](std::size_t, const Lanes& reaches) { most = most.max(reaches); });
-  return most.maxCoeff();
+  Lanes max = Lanes::Constant(-std::numeric_limits<double>::infinity());
+  visit_reaches(*this, direction, [&](std::size_t, const Lanes& reaches) { max = max.max(reaches); });
+  return max.maxCoeff();
 }
 
 std::size_t Hull::support(const Vector3& direction) const {
   std::array<double, max_vertices + lanes> reach;
-  Lanes most = Lanes::Constant(-std::numeric_limits<double>::infinity());
+  Lanes max = Lanes::Constant(-std::numeric_limits<double>::infinity());
   visit_reaches(*this, direction, [&](std::size_t i, const Lanes& reaches) {
-    most = most.max(reaches);
+    max = max.max(reaches);
     Eigen::Map<Lanes>(reach.data() + i) = reaches;
   });
-  const double farthest = most.maxCoeff();
+  const double farthest = max.maxCoeff();
   std::size_t best = 0;
   while (best + 1 < vertices.size() && reach[best] != farthest) ++best;
   return best;

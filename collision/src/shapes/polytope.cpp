@@ -179,10 +179,10 @@ int Polytope::support(const Vector3& direction) const {
     const double r3 = reach(i + 3);
     const double low = r1 > r0 ? r1 : r0;
     const double high = r3 > r2 ? r3 : r2;
-    const double most = high > low ? high : low;
-    if (!(most > farthest)) continue;
-    farthest = most;
-    best = most == r0 ? i : most == r1 ? i + 1 : most == r2 ? i + 2 : i + 3;
+    const double max = high > low ? high : low;
+    if (!(max > farthest)) continue;
+    farthest = max;
+    best = max == r0 ? i : max == r1 ? i + 1 : max == r2 ? i + 2 : i + 3;
   }
   for (; i < count; ++i) {
     const double r = reach(i);

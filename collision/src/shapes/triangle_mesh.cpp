@@ -16,7 +16,7 @@ using Indices = std::array<std::uint32_t, 3>;
 
 constexpr double largest_coordinate = 1e30;
 // A triangle lower than this part of its longest edge has a normal that rounding decides.
-constexpr double least_height = 1e-10;
+constexpr double min_height = 1e-10;
 
 // One side of a triangle, with its ends in increasing order.
 struct OpenSide {
@@ -56,7 +56,7 @@ std::string find_normals(TriangleMesh& mesh) {
     const Vector3 last = mesh.vertices[corners[2]] - mesh.vertices[corners[0]];
     const Vector3 doubled_area = first.cross(last);
     const double longest = std::max({first.squaredNorm(), last.squaredNorm(), (last - first).squaredNorm()});
-    if (!(doubled_area.norm() > least_height * longest)) {
+    if (!(doubled_area.norm() > min_height * longest)) {
       return text("found no area in triangle ", t, " (vertices ", corners[0], ", ", corners[1], ", ", corners[2],
                   "), expected a height above 1e-10 of its longest edge");
     }
@@ -174,7 +174,7 @@ std::uint32_t corner_at(const TriangleMesh& mesh, std::uint32_t triangle, const 
 // from this one up to a crease.
 Vector3 corner_normal(const TriangleMesh& mesh, std::uint32_t triangle, std::uint32_t corner) {
   const Vector3 place = mesh.vertices[mesh.triangles[triangle][corner]];
-  const double least_cosine = std::cos(mesh.smooth_angle);
+  const double min_cosine = std::cos(mesh.smooth_angle);
   Vector3 sum = Vector3::Zero();
   const auto add = [&](std::uint32_t t, std::uint32_t at) {
     const Vector3 next = edge_of(mesh, t, at);
@@ -186,7 +186,7 @@ Vector3 corner_normal(const TriangleMesh& mesh, std::uint32_t triangle, std::uin
     std::uint32_t t = triangle, at = corner;
     for (;;) {
       const std::uint32_t beyond = mesh.neighbours[t][onwards ? (at + 2) % 3 : at];
-      if (beyond == TriangleMesh::no_triangle || mesh.normals[t].dot(mesh.normals[beyond]) < least_cosine) break;
+      if (beyond == TriangleMesh::no_triangle || mesh.normals[t].dot(mesh.normals[beyond]) < min_cosine) break;
       if (beyond == triangle) return sum.normalized();  // all around
       t = beyond;
       at = corner_at(mesh, t, place);

@@ -54,14 +54,14 @@ int best_split(const std::array<Aabb, bins>& box, const std::array<std::size_t, 
   }
   joined = Aabb::empty();
   total = 0;
-  double least = 0;
+  double min = 0;
   int best = 0;
   for (std::size_t i = bins - 1; i > 0; --i) {
     joined = joined.joined(box[i]);
     total += count[i];
     const double cost = left[i - 1] + half_area(joined) * static_cast<double>(total);
-    if (i < bins - 1 && cost >= least) continue;
-    least = cost;
+    if (i < bins - 1 && cost >= min) continue;
+    min = cost;
     best = static_cast<int>(i) - 1;
   }
   return best;
@@ -126,12 +126,12 @@ Children gather(std::span<const BinaryNode> nodes, std::uint32_t root) {
   children.node[children.count++] = root;
   while (children.count < TriangleTree::width) {
     std::size_t largest = children.count;
-    double most = -1;
+    double max = -1;
     for (std::size_t i = 0; i < children.count; ++i) {
       const BinaryNode& node = nodes[children.node[i]];
       const double area = node.second == 0 ? -1 : half_area(node.box);
-      if (!(area > most)) continue;
-      most = area;
+      if (!(area > max)) continue;
+      max = area;
       largest = i;
     }
     if (largest == children.count) break;
@@ -147,8 +147,8 @@ Children gather(std::span<const BinaryNode> nodes, std::uint32_t root) {
 // The origin is finite, and so is the scale, and more than none: the difference to any bound is a number, and times the
 // scale, too.
 TriangleTree::Node TriangleTree::frame_of(const Aabb& box) {
-  constexpr float most = std::numeric_limits<float>::max();
-  constexpr float least = std::numeric_limits<float>::min();
+  constexpr float max = std::numeric_limits<float>::max();
+  constexpr float min = std::numeric_limits<float>::min();
   Node node = {};
   node.origin.setZero();
   node.steps.setOnes();
@@ -156,8 +156,8 @@ TriangleTree::Node TriangleTree::frame_of(const Aabb& box) {
   node.upper.fill(top_bits);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
-    node.origin[axis] = std::clamp(box.lower[i], -most, most);
-    node.steps[axis] = std::clamp((last_step - 2) / (box.upper[i] - node.origin[axis]), least, most);
+    node.origin[axis] = std::clamp(box.lower[i], -max, max);
+    node.steps[axis] = std::clamp((last_step - 2) / (box.upper[i] - node.origin[axis]), min, max);
   }
   ATL_ASSERT((node.steps > 0).all() && node.steps.isFinite().all(), node.steps[0], node.steps[1], node.steps[2]);
   return node;

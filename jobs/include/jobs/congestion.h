@@ -22,7 +22,7 @@ class Congestion {
   explicit Congestion(bool watches) : watches_(watches) {}
 
   /// Records a stall. May be called from any thread.
-  void note_stall() {
+  void record_stall() {
     if (watches_) stalled_.store(true, std::memory_order_relaxed);
   }
 

@@ -42,9 +42,9 @@ struct SoakTally {
   std::int64_t rollbacks = 0, replays = 0, queries = 0;
   std::int64_t quarantined = 0, fell_through = 0;  ///< bodies
   double fastest = 0;                              ///< m/s, that a body came to
-  std::vector<LostBody> lost = {};                 ///< the first most_listed of these
+  std::vector<LostBody> lost = {};                 ///< the first max_listed_bodies of these
 };
-inline constexpr std::size_t most_listed = 100;
+inline constexpr std::size_t max_listed_bodies = 100;
 
 /// A check that failed: what, in which step.
 class CheckFailed : public std::runtime_error {

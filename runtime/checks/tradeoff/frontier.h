@@ -13,7 +13,7 @@ namespace atl::tradeoff {
 struct Ladder {
   struct Limit {
     std::string measure;  ///< an error of the final state; where a run has no such measure the limit holds
-    double most;
+    double max;
   };
   std::string name;  ///< what grows, as "boxes of a tower"
   std::string scene;

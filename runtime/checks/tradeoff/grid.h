@@ -39,7 +39,7 @@ struct ScenePlan {
 /// A scene of more dynamic bodies than this is large. It gets a thinner grid, and no more steps than give 0.3 million
 /// body steps (--quick: 0.1 million), but at least 10; where bodies fall, at least as many as it takes until they have
 /// landed.
-inline constexpr std::size_t most_bodies_of_small = 1000;
+inline constexpr std::size_t max_bodies_of_small = 1000;
 
 /// Bodies that fall have landed once this share of the dynamic ones touches something. Before that there is next to no
 /// overlap to judge.

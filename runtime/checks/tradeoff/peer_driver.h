@@ -46,8 +46,8 @@ class PeerDriver {
   Record describe(const PeerSetting& setting, const PeerRun& run) const;
   /// Fills in outcome and errors.
   void measure_errors(const PeerSetting& setting, const PeerRun& run, Record& record) const;
-  /// Adds one sample of the time of at least `least_time` s of stepping, or changes the outcome.
-  void measure_time(const PeerSetting& setting, const PeerRun& run, double least_time, Record& record) const;
+  /// Adds one sample of the time of at least `min_time` s of stepping, or changes the outcome.
+  void measure_time(const PeerSetting& setting, const PeerRun& run, double min_time, Record& record) const;
 
  private:
   std::string call(const PeerSetting& setting, const PeerRun& run, const std::vector<std::string>& what,

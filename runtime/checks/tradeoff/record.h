@@ -21,7 +21,7 @@ class OtherBits : public Error {
 enum class Outcome {
   Done,
   Fell,       ///< some body left its place for good, in a scene that starts at rest
-  CameApart,  ///< a joint opened by more than most_joint_gap
+  CameApart,  ///< a joint opened by more than max_joint_gap
   NonFinite,  ///< the state is no longer made of numbers
   Refused,    ///< the engine, or its driver, can't do this scene
   TooSlow,    ///< stopped at the limit of time
@@ -33,7 +33,7 @@ enum class Outcome {
 const char* name_of(Outcome outcome);
 
 /// A joint that opens by more in a run, m, holds nothing together any more: the run counts as broken.
-inline constexpr double most_joint_gap = 1;
+inline constexpr double max_joint_gap = 1;
 
 /// Times of the same work, done again and again.
 class Samples {

@@ -12,15 +12,15 @@ namespace atl::tradeoff {
 
 /// How often and how long things are run.
 struct RunPolicy {
-  int repeats = 3;           ///< timing rounds; in each, every setting of every engine is timed once
-  double least_time = 0.03;  ///< s of stepping in one of them
-  double peer_budget = 30;   ///< s of another engine's runs for errors after which its other settings are not tried
+  int repeats = 3;          ///< timing rounds; in each, every setting of every engine is timed once
+  double min_time = 0.03;   ///< s of stepping in one of them
+  double peer_budget = 30;  ///< s of another engine's runs for errors after which its other settings are not tried
   Stop stop = {};
   /// s of wall time after which a setting is not timed again.
   static constexpr double enough = 1;
 
   /// The default policy; a cheaper one if `quick`.
-  static RunPolicy usual(bool quick);
+  static RunPolicy standard(bool quick);
 };
 /// s that a run of another engine may usually take.
 inline constexpr double peer_limit = 25, quick_peer_limit = 6;

@@ -31,16 +31,16 @@ struct Trial {
 };
 
 /// m: of overlaps that are smaller measure_penetration() tells nothing.
-inline constexpr double least_tuned_error = 1e-5;
+inline constexpr double min_tuned_error = 1e-5;
 
 /// The substeps that are tried: a quarter of an octave apart.
 std::vector<int> tuning_ladder();
 
 struct Tuning {
-  std::vector<Trial> trials;              ///< in the order in which they were run
-  std::vector<std::size_t> timed;         ///< of these: the fewest substeps that hold, of each pair of solvers
-  std::optional<std::size_t> cheapest;    ///< of the timed, by median CPU time
-  std::optional<std::size_t> most_exact;  ///< of those that came to their end
+  std::vector<Trial> trials;                  ///< in the order in which they were run
+  std::vector<std::size_t> timed;             ///< of these: the fewest substeps that hold, of each pair of solvers
+  std::optional<std::size_t> cheapest;        ///< of the timed, by median CPU time
+  std::optional<std::size_t> smallest_error;  ///< of those that came to their end
 };
 
 /// The scene with its own settings alone, but without a target: what is looked for are fixed settings.

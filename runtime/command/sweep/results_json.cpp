@@ -133,7 +133,7 @@ Json results_object(const SweepResults& results) {
       {"engines", engines},
       {"quick", results.quick},
       {"repeats", results.repeats},
-      {"least_time_s", results.time},
+      {"min_time_s", results.time},
       {"seed", results.seed},
       {"no_error", no_error},
       {"scenes", scenes},

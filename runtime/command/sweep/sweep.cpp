@@ -160,15 +160,15 @@ void sweep_all(const SweepOptions& options) {
   const SweepFiles outputs = check_sweep_files(options.out);
   if (options.views) (void)page_file("--views", (fs::path(options.out) / "view-0.html").string());
 
-  RunPolicy policy = RunPolicy::usual(options.grid.quick);
+  RunPolicy policy = RunPolicy::standard(options.grid.quick);
   policy.repeats = options.repeats.value_or(policy.repeats);
-  policy.least_time = options.time.value_or(policy.least_time);
+  policy.min_time = options.time.value_or(policy.min_time);
   policy.stop = interrupted;
   SweepResults results = {.surroundings = surroundings(),
                           .engines = engine_versions(drivers),
                           .quick = options.grid.quick,
                           .repeats = policy.repeats,
-                          .time = policy.least_time,
+                          .time = policy.min_time,
                           .seed = options.grid.seed,
                           .scenes = {},
                           .frontiers = {}};

@@ -55,7 +55,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
       ->group(runs);
   command
       .add_option("--steps", options.grid.steps, "steps at the scene's own dt (default: the scene's, fewer if large)")
-      ->check(integer_in(1, most_steps))
+      ->check(integer_in(1, max_steps))
       ->group(runs);
   command.add_option("--repeats", options.repeats, "timing runs of each setting (default: 3, with --quick 1)")
       ->check(integer_in(1, 1000))

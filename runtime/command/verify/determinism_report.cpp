@@ -20,7 +20,7 @@ using divergence::PartDifference;
 using divergence::Restore;
 using divergence::Variant;
 
-constexpr std::size_t most_bodies_of_run = 10;  // that the text lists of a run
+constexpr std::size_t max_bodies_of_run = 10;  // that the text lists of a run
 constexpr int threads_width = 7, simd_width = 10, restore_width = 10;
 
 const char* name_of(Restore restore) {
@@ -85,11 +85,10 @@ void write_divergence(std::ostream& out, const Columns& columns, const Scene& sc
   std::string words = "differs in step " + std::to_string(divergence.step) + ": ";
   words += count == 0 ? other_words(divergence) : plural(static_cast<std::int64_t>(count), "body", "bodies");
   columns.write_run(out, result.variant, words);
-  for (std::size_t i = 0; i < std::min(count, most_bodies_of_run); ++i) {
+  for (std::size_t i = 0; i < std::min(count, max_bodies_of_run); ++i) {
     columns.write_more(out, body_words(scene, divergence.bodies[i]));
   }
-  if (count > most_bodies_of_run)
-    columns.write_more(out, "and " + std::to_string(count - most_bodies_of_run) + " more");
+  if (count > max_bodies_of_run) columns.write_more(out, "and " + std::to_string(count - max_bodies_of_run) + " more");
 }
 
 Json variant_json(const Variant& variant) {

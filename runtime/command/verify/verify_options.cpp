@@ -27,7 +27,7 @@ void add_determinism_options(CLI::App& command, VerifyOptions& options) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->check(integer_in(1, most_threads))
+      ->check(integer_in(1, max_threads))
       ->type_name("N,N...")
       ->default_str("1,2,4")
       ->group(machine);

@@ -10,13 +10,13 @@
 #include <atoll/error.h>
 #include <atoll/error_meter.h>
 #include <atoll/errors.h>
+#include <atoll/first_difference.h>
 #include <atoll/forces.h>
 #include <atoll/joint.h>
 #include <atoll/mechanism.h>
+#include <atoll/playback.h>
 #include <atoll/quarantine.h>
 #include <atoll/queries.h>
-#include <atoll/parting.h>
-#include <atoll/playback.h>
 #include <atoll/recording.h>
 #include <atoll/report.h>
 #include <atoll/rollout.h>

@@ -52,11 +52,11 @@ class Batch {
   /// a row, while it is in cache: many at once cost less than one by one.
   void step(double dt, int count = 1, std::span<const std::size_t> places = {});
 
-  /// Puts these back to where they started, or to where keep_start() was called last: all of their state, with masses
+  /// Puts these back to where they started, or to where save_start() was called last: all of their state, with masses
   /// and whatever else was changed.
   void reset(std::span<const std::size_t> places = {});
   /// Lets these start from where they are now.
-  void keep_start(std::span<const std::size_t> places = {});
+  void save_start(std::span<const std::size_t> places = {});
 
   enum class Column {
     Positions,             ///< 3 rows: m, of centres of mass

@@ -35,7 +35,7 @@ enum class ContactSolver {
   /// At once, in all islands of up to 400 bodies without motion locks whose factor is not too large, contacts and
   /// joints
   /// in one system, as long as nothing bounces or tumbles fast in them. Exact, for 1 to 50 times the time: least where
-  /// things stand, most where heaps move. Others by sweeps: World::selected_solves() tells which, and why.
+  /// things stand, most where heaps move. Others by sweeps: World::solver_choices() tells which, and why.
   Direct,
 };
 
@@ -53,7 +53,7 @@ enum class Simd { Auto, Portable, Sse4, Avx2, Avx512, Neon };
 
 /// Error targets of islands: each island gets the fewest substeps that meet them, judged by the measurements of the
 /// last steps. Needs Soft stabilisation. The error of an island is the value that more than one in a hundred of its
-/// contacts, joints or bodies exceeds. World::unheld_islands() lists the islands that missed a target.
+/// contacts, joints or bodies exceeds. World::missed_targets() lists the islands that missed a target.
 struct ErrorTarget {
   std::optional<double> penetration = {};  ///< m, > 0: overlap after the step
   std::optional<double> joint_gap = {};    ///< m, > 0: what locked offsets of joints are open by after the step
@@ -63,8 +63,8 @@ struct ErrorTarget {
   /// m/s, > 0: how far bodies get from their paths in a second, by an estimate: see solver/select/motion_error.h.
   /// Bodies that touch nothing, and are not joined, move exactly or by Settings::substeps.
   std::optional<double> motion = {};
-  int least_substeps = 1;   ///< in [1, 1024]
-  int most_substeps = 128;  ///< the most that a step of an island may cost, in [least_substeps, 1024]
+  int min_substeps = 1;    ///< in [1, 1024]
+  int max_substeps = 128;  ///< the most that a step of an island may cost, in [min_substeps, 1024]
 
   bool is_set() const { return penetration || joint_gap || residual || motion; }
 };

@@ -100,7 +100,7 @@ struct SleepEvent {
 
 /// An island whose contacts carry more than the settings' sweeps can hold up, and what a step did about it. See
 /// Settings::contact_solver.
-struct SelectedSolve {
+struct SolverChoice {
   BodyId lowest;  ///< of its bodies
   std::size_t bodies = 0;
   std::size_t contacts = 0;
@@ -117,7 +117,7 @@ enum class TargetError { Penetration, JointGap, Residual, Motion };
 
 /// An error of an island beyond its target; see Settings::target. Penetrations and gaps are those with which the step
 /// began, as the one before had left them; a residual and an error of motion are the step's own.
-struct UnheldIsland {
+struct MissedTarget {
   BodyId lowest;  ///< of its bodies
   std::size_t bodies = 0;
   std::size_t contacts = 0;
@@ -442,11 +442,11 @@ class World {
   std::span<const JointEvent> joint_events() const;
 
   /// After a step: islands whose contacts were not left to the sweeps of the settings, in order of their lowest bodies.
-  std::span<const SelectedSolve> selected_solves() const;
+  std::span<const SolverChoice> solver_choices() const;
 
   /// After a step: islands with an error beyond its target, in order of their lowest bodies and of errors. Empty where
   /// Settings::target asks for nothing.
-  std::span<const UnheldIsland> unheld_islands() const;
+  std::span<const MissedTarget> missed_targets() const;
 
   /// Memory of this world by use, in a fixed order, without data that bodies share, such as hulls and meshes.
   std::vector<MemoryUse> memory() const;

@@ -28,14 +28,14 @@ namespace {
 void take_steps(Batch& batch, double dt, int count, std::span<const std::size_t> places) {
   using Clock = std::chrono::steady_clock;
   SignalCheck check_signals;
-  int most = 1;
+  int max = 1;
   int left = count;
   do {
-    const int some = std::min(left, most);
+    const int some = std::min(left, max);
     const Clock::time_point start = Clock::now();
     batch.step(dt, some, places);
     left -= some;
-    if (Clock::now() - start < std::chrono::milliseconds(25) && most < 1 << 20) most *= 2;
+    if (Clock::now() - start < std::chrono::milliseconds(25) && max < 1 << 20) max *= 2;
     check_signals();
   } while (left > 0);
 }
@@ -55,15 +55,15 @@ void bind_steps(nb::class_<Batch>& batch) {
       .def(
           "reset",
           [](Batch& self, const nb::object& worlds) { call(self, worlds, [&](auto places) { self.reset(places); }); },
-          nb::arg("worlds") = nb::none(), "Back to where they started, or to where keep_start() was called last.",
+          nb::arg("worlds") = nb::none(), "Back to where they started, or to where save_start() was called last.",
           nb::sig("def reset(self, worlds: " ATOLL_WORLDS " = None) -> None"))
       .def(
-          "keep_start",
+          "save_start",
           [](Batch& self, const nb::object& worlds) {
-            call(self, worlds, [&](auto places) { self.keep_start(places); });
+            call(self, worlds, [&](auto places) { self.save_start(places); });
           },
           nb::arg("worlds") = nb::none(), "Lets these start from where they are now.",
-          nb::sig("def keep_start(self, worlds: " ATOLL_WORLDS " = None) -> None"))
+          nb::sig("def save_start(self, worlds: " ATOLL_WORLDS " = None) -> None"))
       .def(
           "hashes",
           [](const Batch& self) {

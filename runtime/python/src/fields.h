@@ -36,9 +36,9 @@ template <typename T, typename... M>
 std::string words_of(const char* name, const T& values, const Field<T, M>&... fields) {
   const T defaults{};
   std::string words = std::string(name) + "(";
-  const auto add = [&](const char* field, const nb::object& value, const nb::object& usual) {
+  const auto add = [&](const char* field, const nb::object& value, const nb::object& default_value) {
     const std::string text = nb::repr(value).c_str();
-    if (text == nb::repr(usual).c_str()) return;
+    if (text == nb::repr(default_value).c_str()) return;
     words += (words.back() == '(' ? "" : ", ") + std::string(field) + "=" + text;
   };
   (add(fields.name, nb::cast(values.*(fields.member)), nb::cast(defaults.*(fields.member))), ...);

@@ -30,8 +30,8 @@ namespace atl::python {
 namespace {
 
 // Notebooks keep what they show in their file, and some show no more than this. 600 frames of 5000 boxes take 12 MB.
-constexpr std::size_t most_in_notebook = 16 << 20;  // bytes
-constexpr int usual_height = 620;                   // pixels
+constexpr std::size_t max_notebook_bytes = 16 << 20;  // bytes
+constexpr int default_height = 620;                   // pixels
 
 // The film of a world, which another thread may step at the same time.
 struct Roll {
@@ -99,12 +99,12 @@ class Film {
   }
   std::string shown() {
     if (!view::has_page()) return "<p>" + std::string(without_page) + "</p>";
-    std::string element = framed(usual_height);
-    if (element.size() <= most_in_notebook) return element;
+    std::string element = framed(default_height);
+    if (element.size() <= max_notebook_bytes) return element;
     std::ostringstream words;
     words.precision(3);
     words << "<p>A film of " << frames() << " frames and " << bodies() << " bodies, which takes "
-          << static_cast<double>(element.size()) / (1 << 20) << " MB: more than the " << (most_in_notebook >> 20)
+          << static_cast<double>(element.size()) / (1 << 20) << " MB: more than the " << (max_notebook_bytes >> 20)
           << " MB that are put into a notebook. <code>save(path)</code> writes its page, <code>open()</code> shows it, "
              "and "
              "<code>every=</code> makes films of fewer frames.</p>";
@@ -148,9 +148,9 @@ struct ViewOptions {
   Simd simd;
 };
 
-[[noreturn]] void fail_step(const char* name, std::int64_t found, std::int64_t least, std::int64_t most) {
-  throw Error("view: " + std::string(name) + " is " + std::to_string(found) + "; expected " + std::to_string(least) +
-              " to " + std::to_string(most) + ", steps of the recording");
+[[noreturn]] void fail_step(const char* name, std::int64_t found, std::int64_t min, std::int64_t max) {
+  throw Error("view: " + std::string(name) + " is " + std::to_string(found) + "; expected " + std::to_string(min) +
+              " to " + std::to_string(max) + ", steps of the recording");
 }
 
 Film film_of_recording(const std::string& path, const ViewOptions& asked) {
@@ -218,7 +218,7 @@ void bind_film(nb::module_& module) {
       .def("end", &Film::end, "Takes no more frames. What asks for its page ends it, too.")
       .def("page", &Film::page, without_gil,
            "The page, as HTML. Raises Error where the package was built without it: see has_page().")
-      .def("html", &Film::framed, nb::arg("height") = usual_height, without_gil,
+      .def("html", &Film::framed, nb::arg("height") = default_height, without_gil,
            "The page as an element to put into another one, so many pixels high and as wide as there is room.")
       .def("_repr_html_", &Film::shown, without_gil)
       .def("save", &Film::save, nb::arg("path"), without_gil, "Writes the page to a file.")

@@ -1,6 +1,6 @@
 // Recordings: replayed, looked at step by step, compared.
 
-#include <atoll/parting.h>
+#include <atoll/first_difference.h>
 #include <atoll/playback.h>
 #include <atoll/recording.h>
 #include <atoll/snapshot.h>
@@ -97,26 +97,26 @@ void bind_playback(nb::module_& module) {
   bind_copy<&World::angular_velocities>(playback, "angular_velocities", "rad/s, shape (n, 3); a copy");
 }
 
-void bind_parting(nb::module_& module) {
-  nb::class_<Parting>(module, "Parting", "Where two runs part.")
-      .def_ro("step", &Parting::step, "the first after which their states differ")
-      .def_ro("by_calls", &Parting::by_calls, "whether calls ahead of that step made them differ")
-      .def_ro("bodies_step", &Parting::bodies_step)
+void bind_first_difference(nb::module_& module) {
+  nb::class_<FirstDifference>(module, "FirstDifference", "Where two runs part.")
+      .def_ro("step", &FirstDifference::step, "the first after which their states differ")
+      .def_ro("by_calls", &FirstDifference::by_calls, "whether calls ahead of that step made them differ")
+      .def_ro("bodies_step", &FirstDifference::bodies_step)
       .def_prop_ro(
           "phase",
-          [](const Parting& self) {
+          [](const FirstDifference& self) {
             return self.phase ? std::optional<std::string>(phase_name(*self.phase)) : std::nullopt;
           },
           "the first of that step whose results differ, or None")
-      .def_ro("bodies", &Parting::bodies);
-  nb::class_<PartingResult>(module, "PartingResult")
-      .def_ro("parting", &PartingResult::parting, "None if they are the same as far as both go")
-      .def_ro("steps", &PartingResult::steps, "that both have")
-      .def_ro("replays", &PartingResult::replays, "that were made to find out");
+      .def_ro("bodies", &FirstDifference::bodies);
+  nb::class_<FirstDifferenceResult>(module, "FirstDifferenceResult")
+      .def_ro("difference", &FirstDifferenceResult::difference, "None if they are the same as far as both go")
+      .def_ro("steps", &FirstDifferenceResult::steps, "that both have")
+      .def_ro("replays", &FirstDifferenceResult::replays, "that were made to find out");
   module.def(
-      "find_parting",
+      "find_first_difference",
       [](const std::string& first, const std::string& second, int threads, Simd simd) {
-        return find_parting(first, second, {.threads = threads, .simd = simd});
+        return find_first_difference(first, second, {.threads = threads, .simd = simd});
       },
       nb::arg("first"), nb::arg("second"), nb::arg("threads") = 1, nb::arg("simd") = Simd::Auto,
       nb::call_guard<nb::gil_scoped_release>(), "Finds the first step in which two recordings differ, and in what.");
@@ -127,7 +127,7 @@ void bind_parting(nb::module_& module) {
 void bind_recordings(nb::module_& module) {
   bind_replays(module);
   bind_playback(module);
-  bind_parting(module);
+  bind_first_difference(module);
 }
 
 }  // namespace atl::python

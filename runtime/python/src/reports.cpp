@@ -25,10 +25,10 @@ void bind_counts(nb::module_& module) {
               Field{"direct_islands", &StepCounts::direct_islands, "whose contacts are solved at once"},
               Field{"unsolved_islands", &StepCounts::unsolved_islands, "which that was tried for in vain"},
               Field{"refused_islands", &StepCounts::refused_islands, "which that was due for, and not tried"},
-              Field{"unheld_islands", &StepCounts::unheld_islands, "with an error beyond its target"},
+              Field{"missed_targets", &StepCounts::missed_targets, "with an error beyond its target"},
               Field{"body_substeps", &StepCounts::body_substeps, "with a target: substeps of islands, times bodies"},
               Field{"island_bodies", &StepCounts::island_bodies, "with a target: bodies of these islands"},
-              Field{"most_substeps", &StepCounts::most_substeps, "with a target: that an island got"},
+              Field{"max_substeps", &StepCounts::max_substeps, "with a target: that an island got"},
               Field{"refined_islands", &StepCounts::refined_islands, "that get more substeps"},
               Field{"newton_iterations", &StepCounts::newton_iterations, "of what is solved at once"},
               Field{"discarded_iterations", &StepCounts::discarded_iterations, "of these, in vain"},
@@ -47,29 +47,29 @@ void bind_counts(nb::module_& module) {
               Field{"stopped", &StepCounts::stopped, "bodies that met something and were put back"});
 }
 
-void bind_unheld(nb::module_& module) {
+void bind_missed_targets(nb::module_& module) {
   nb::enum_<TargetError>(module, "TargetError", "What Settings.target sets a limit to.")
       .value("PENETRATION", TargetError::Penetration, "m")
       .value("JOINT_GAP", TargetError::JointGap, "m")
       .value("RESIDUAL", TargetError::Residual, "Relative.")
       .value("MOTION", TargetError::Motion, "m/s");
-  nb::class_<UnheldIsland> island(
-      module, "UnheldIsland",
+  nb::class_<MissedTarget> island(
+      module, "MissedTarget",
       "An error of an island beyond its target. Penetrations and gaps are those with which the step began.");
-  bind_result(island, Field{"lowest", &UnheldIsland::lowest, "of its bodies"},
-              Field{"bodies", &UnheldIsland::bodies, "how many"},
-              Field{"contacts", &UnheldIsland::contacts, "how many"},
-              Field{"joints", &UnheldIsland::joints, "how many"}, Field{"error", &UnheldIsland::error, ""},
-              Field{"measured", &UnheldIsland::measured, "in the target's unit"},
-              Field{"substeps", &UnheldIsland::substeps, "that it got in this step"},
-              Field{"why", &UnheldIsland::why, "what keeps it beyond"});
+  bind_result(island, Field{"lowest", &MissedTarget::lowest, "of its bodies"},
+              Field{"bodies", &MissedTarget::bodies, "how many"},
+              Field{"contacts", &MissedTarget::contacts, "how many"},
+              Field{"joints", &MissedTarget::joints, "how many"}, Field{"error", &MissedTarget::error, ""},
+              Field{"measured", &MissedTarget::measured, "in the target's unit"},
+              Field{"substeps", &MissedTarget::substeps, "that it got in this step"},
+              Field{"why", &MissedTarget::why, "what keeps it beyond"});
 }
 
 }  // namespace
 
 void bind_reports(nb::module_& module) {
   bind_counts(module);
-  bind_unheld(module);
+  bind_missed_targets(module);
   nb::class_<FeatureReport> feature(module, "FeatureReport", "A feature of the step plan: whether it ran, and why.");
   bind_result(feature, Field{"name", &FeatureReport::name, ""}, Field{"run", &FeatureReport::run, ""},
               Field{"why", &FeatureReport::why, "or why not"}, Field{"items", &FeatureReport::items, "it was run on"},

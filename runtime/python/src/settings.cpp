@@ -34,7 +34,7 @@ void bind_settings(nb::module_& module) {
   nb::class_<ErrorTarget> target(
       module, "ErrorTarget",
       "Errors that islands are held below: each gets the fewest substeps that do it, as the last steps measured. With "
-      "Stabilisation.SOFT. What could not be held is told: World.unheld_islands().");
+      "Stabilisation.SOFT. What could not be held is told: World.missed_targets().");
   bind_definition(
       target,
       Field{"penetration", &ErrorTarget::penetration, "m, > 0: overlap after a step; not with Settings.contact_hertz"},
@@ -43,9 +43,9 @@ void bind_settings(nb::module_& module) {
       Field{"residual", &ErrorTarget::residual, "> 0, relative: how far contacts are from solved"},
       Field{"motion", &ErrorTarget::motion,
             "m/s, > 0: how far bodies get from their paths in a second, by an estimate"},
-      Field{"least_substeps", &ErrorTarget::least_substeps, "in [1, 1024]"},
-      Field{"most_substeps", &ErrorTarget::most_substeps,
-            "the most that a step of an island may cost, in [least_substeps, 1024]"});
+      Field{"min_substeps", &ErrorTarget::min_substeps, "in [1, 1024]"},
+      Field{"max_substeps", &ErrorTarget::max_substeps,
+            "the most that a step of an island may cost, in [min_substeps, 1024]"});
   target.def("is_set", &ErrorTarget::is_set, "Whether it asks for anything.");
 
   nb::class_<Settings> settings(module, "Settings",

@@ -52,11 +52,11 @@ class Ending {
 };
 
 template <typename Number>
-Number in_range(const char* name, Number value, Number most) {
-  if (value > 0 && value <= most) return value;
+Number in_range(const char* name, Number value, Number max) {
+  if (value > 0 && value <= max) return value;
   std::string words = nb::str(nb::cast(value)).c_str();
   throw Error("sweep: " + std::string(name) + " is " + words + "; expected a number above 0, at most " +
-              std::string(nb::str(nb::cast(most)).c_str()));
+              std::string(nb::str(nb::cast(max)).c_str()));
 }
 
 tradeoff::GridOptions grid_options(const Lists& lists, bool quick, std::optional<int> steps, std::uint64_t seed) {
@@ -194,9 +194,9 @@ void bind_sweeps(nb::module_& module) {
          const std::vector<std::string>& peers, std::optional<double> peer_limit, const nb::object& on_work,
          const std::optional<Part>& part) {
         const tradeoff::GridOptions options = grid_options(lists, quick, steps, seed);
-        tradeoff::RunPolicy policy = tradeoff::RunPolicy::usual(quick);
+        tradeoff::RunPolicy policy = tradeoff::RunPolicy::standard(quick);
         policy.repeats = in_range("repeats", repeats.value_or(policy.repeats), 1000);
-        policy.least_time = in_range("time", time.value_or(policy.least_time), 60.0);
+        policy.min_time = in_range("time", time.value_or(policy.min_time), 60.0);
         const double limit = peer_limit.value_or(quick ? tradeoff::quick_peer_limit : tradeoff::peer_limit);
         return measure_sweep(scenes, options, policy, peers, in_range("peer_limit", limit, 86400.0), on_work, part);
       },

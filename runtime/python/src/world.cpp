@@ -51,7 +51,7 @@ void bind_bodies(Class& world) {
   world.def("add_body", &World::add_body, nb::arg("definition"),
             "Raises Error naming the field and the value if the definition is unusable.");
   with_body_fields([&]<typename... M>(const Field<BodyDef, M>&... fields) {
-    const BodyDef usual;
+    const BodyDef defaults;
     world.def(
         "add_body",
         [=](World& self, M... values) {
@@ -59,7 +59,8 @@ void bind_bodies(Class& world) {
           ((def.*(fields.member) = std::move(values)), ...);
           return self.add_body(def);
         },
-        nb::kw_only(), (nb::arg(fields.name) = usual.*(fields.member))..., "The same, of a BodyDef of these fields.");
+        nb::kw_only(), (nb::arg(fields.name) = defaults.*(fields.member))...,
+        "The same, of a BodyDef of these fields.");
   });
   world.def("remove_body", &World::remove_body, nb::arg("body"), "Wakes what touched it, and removes its joints.")
       .def("__contains__", nb::overload_cast<BodyId>(&World::contains, nb::const_), nb::arg("body"))
@@ -320,10 +321,10 @@ void bind_results(Class& world) {
           },
           "Bodies that are out of the world because their state was not finite, or absurd.")
       .def(
-          "unheld_islands",
+          "missed_targets",
           [](const World& self) {
-            const auto all = self.unheld_islands();
-            return std::vector<UnheldIsland>(all.begin(), all.end());
+            const auto all = self.missed_targets();
+            return std::vector<MissedTarget>(all.begin(), all.end());
           },
           "With Settings.target, islands with an error beyond it after the last step, by their lowest bodies.")
       .def("is_quarantined", &World::is_quarantined, nb::arg("body"))

@@ -141,7 +141,7 @@ std::vector<ErrorMeasure> ErrorMeter::errors() const {
 
 bool ErrorMeter::fell() const {
   if (!scene_.starts_at_rest) return false;
-  constexpr double most_tilt = 0.3;  // rad
+  constexpr double max_tilt = 0.3;  // rad
   const std::vector<PlacedShape> ideal = placed_shapes(scene_);
   const std::vector<PlacedShape> actual = shapes_at(scene_, last_);
   std::size_t dynamic = 0;
@@ -149,7 +149,7 @@ bool ErrorMeter::fell() const {
     if (!is_dynamic(scene_.bodies[i])) continue;
     const double size = std::cbrt(mass_[dynamic++].volume);
     const RestReport rest = measure_rest(std::span(ideal).subspan(i, 1), std::span(actual).subspan(i, 1), up(scene_));
-    if (rest.tilt_max > most_tilt || rest.drift_max > size) return true;
+    if (rest.tilt_max > max_tilt || rest.drift_max > size) return true;
   }
   return false;
 }

@@ -11,8 +11,8 @@
 namespace atl::scene {
 
 /// A hull like a rock: points at random on an ellipsoid whose half axes are 0.6 to 1 of `radius` (m).
-inline ConvexHull random_rock(Random& random, double radius, int least_points, int most_points) {
-  const int count = least_points + static_cast<int>(random.uniform(0, most_points - least_points + 1));
+inline ConvexHull random_rock(Random& random, double radius, int min_points, int max_points) {
+  const int count = min_points + static_cast<int>(random.uniform(0, max_points - min_points + 1));
   Vector3 axes;
   for (double& axis : axes) axis = radius * random.uniform(0.6, 1);
   std::vector<Vector3> points;

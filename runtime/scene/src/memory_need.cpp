@@ -45,9 +45,9 @@ double number_in(const char* path) {
 
 // Memory that the control group of a container still has, bytes.
 double left_of_group() {
-  const double most = number_in("/sys/fs/cgroup/memory.max");
+  const double max = number_in("/sys/fs/cgroup/memory.max");
   const double used = number_in("/sys/fs/cgroup/memory.current");
-  return std::isfinite(most) && std::isfinite(used) ? most - used : std::numeric_limits<double>::infinity();
+  return std::isfinite(max) && std::isfinite(used) ? max - used : std::numeric_limits<double>::infinity();
 }
 
 // Address space left below RLIMIT_AS, which ulimit -v sets, bytes.

@@ -110,9 +110,9 @@ void read_mass(const Reader& in, BodyDef& def) {
 
 Quaternion read_orientation(const Reader& in) {
   const auto [x, y, z, w] = in.numbers<4>("a quaternion of four numbers, [x, y, z, w]");
-  constexpr double least_norm = 1e-6;
+  constexpr double min_norm = 1e-6;
   const double norm = Quaternion(w, x, y, z).norm();
-  if (!(norm > least_norm) || !std::isfinite(norm)) {
+  if (!(norm > min_norm) || !std::isfinite(norm)) {
     in.fail("a quaternion of norm " + number_text(norm), "a norm that can be scaled to 1");
   }
   return {w, x, y, z};

@@ -1,6 +1,6 @@
 #include "lattice.h"
+#include "max_parts.h"
 #include "memory_need.h"
-#include "most_parts.h"
 #include "random.h"
 #include "schema.h"
 #include "words.h"
@@ -8,13 +8,13 @@
 namespace atl::scene {
 namespace {
 
-constexpr int most_along_axis = static_cast<int>(most_bodies);
+constexpr int max_along_axis = static_cast<int>(max_bodies);
 
 std::array<int, 3> read_count(const Reader& in) {
   constexpr const char* what = "an array of three integers, [x, y, layers]";
   if (in.size(what) != 3) in.expected(what);
   std::array<int, 3> count{};
-  for (std::size_t i = 0; i < 3; ++i) count[i] = in.element(i).integer(1, most_along_axis);
+  for (std::size_t i = 0; i < 3; ++i) count[i] = in.element(i).integer(1, max_along_axis);
   return count;
 }
 
@@ -23,7 +23,7 @@ std::array<int, 2> read_taper(const Reader& in, const std::array<int, 3>& count)
   if (in.size(what) != 2) in.expected(what);
   std::array<int, 2> taper{};
   for (std::size_t i = 0; i < 2; ++i) {
-    taper[i] = in.element(i).integer(0, most_along_axis);
+    taper[i] = in.element(i).integer(0, max_along_axis);
     const double top = count[i] - double(taper[i]) * (count[2] - 1);
     if (top < 1) in.element(i).fail(number_text(taper[i]), "a taper that leaves bodies in every layer");
   }
@@ -67,7 +67,7 @@ std::vector<SceneBody> read_generator(const Reader& in, const Library& library, 
   if (size > static_cast<double>(room)) {
     const std::string memory = memory_words({.bodies = size});
     in.fail_at("count", number_text(size) + " bodies" + (memory.empty() ? "" : ", which need " + memory),
-               "at most " + std::to_string(room) + " more: a scene has at most " + std::to_string(most_bodies));
+               "at most " + std::to_string(room) + " more: a scene has at most " + std::to_string(max_bodies));
   }
   Random random(seed, stream);
   std::vector<SceneBody> bodies;

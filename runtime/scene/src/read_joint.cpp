@@ -224,8 +224,8 @@ Kind read_kind(const Reader& in) {
 
 Vector3 read_direction(const Reader& in) {
   Vector3 direction = read_vector(in);
-  constexpr double least_length = 1e-6;
-  if (!(direction.norm() > least_length) || !std::isfinite(direction.norm())) {
+  constexpr double min_length = 1e-6;
+  if (!(direction.norm() > min_length) || !std::isfinite(direction.norm())) {
     in.fail("a vector of length " + number_text(direction.norm()), "a length above 0");
   }
   return direction;
@@ -246,8 +246,8 @@ Quaternion read_axes(const Reader& in, bool wheel) {
   const auto across = in.find("across");
   if (!across && !wheel) return frame_along(axis);
   const Vector3 y = across ? read_direction(*across) : Vector3::UnitY();
-  constexpr double least_sine = 1e-3;
-  if (!(axis.normalized().cross(y.normalized()).norm() > least_sine)) {
+  constexpr double min_sine = 1e-3;
+  if (!(axis.normalized().cross(y.normalized()).norm() > min_sine)) {
     in.fail_at("across", "a direction along the axis", "one at right angles to it");
   }
   // The cross product of y and z is x.
@@ -286,8 +286,8 @@ void read_length(const Reader& in, const Scene& scene, SceneJoint& joint) {
   };
   const double length =
       (origin(joint.second, joint.def.frame_second) - origin(joint.first, joint.def.frame_first)).norm();
-  constexpr double least_length = 1e-9;  // m, as add_joint has it
-  if (!(length > least_length)) {
+  constexpr double min_length = 1e-9;  // m, as add_joint has it
+  if (!(length > min_length)) {
     in.fail_at(in.has("frame_first") || in.has("frame_second") ? "frame_second" : "at_second",
                "the ends of a distance joint in one place", "two places apart");
   }
@@ -387,10 +387,10 @@ std::size_t Places::read(const Reader& in) const {
     return static_cast<std::size_t>(in.integer(0, static_cast<int>(count_) - 1));
   }
   if (const auto found = names_.find(in.string()); found != names_.end()) return found->second;
-  constexpr std::size_t most_suggested = 1000;  // names that are looked through for one that is near
+  constexpr std::size_t max_suggested_names = 1000;  // names that are looked through for one that is near
   std::vector<std::string_view> names;
   for (const auto& [name, place] : names_) {
-    if (names.size() < most_suggested) names.push_back(name);
+    if (names.size() < max_suggested_names) names.push_back(name);
   }
   in.expected("the name of a " + what + suggestion(in.string(), names));
 }

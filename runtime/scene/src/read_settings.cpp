@@ -24,18 +24,17 @@ JointSolver read_joint_solver(const Reader& in) {
 }
 
 ErrorTarget read_target(const Reader& in) {
-  in.only_keys({"penetration", "joint_gap", "residual", "motion", "least_substeps", "most_substeps"});
+  in.only_keys({"penetration", "joint_gap", "residual", "motion", "min_substeps", "max_substeps"});
   ErrorTarget target;
   get(in, "penetration", target.penetration, above(0));
   get(in, "joint_gap", target.joint_gap, above(0));
   get(in, "residual", target.residual, above(0));
   get(in, "motion", target.motion, above(0));
-  get(in, "least_substeps", target.least_substeps, 1, 1024);
-  get(in, "most_substeps", target.most_substeps, 1, 1024);
-  if (target.most_substeps < target.least_substeps) {
-    in.fail_at("most_substeps",
-               std::to_string(target.most_substeps) + (in.has("most_substeps") ? "" : ", the default,"),
-               "least_substeps, " + std::to_string(target.least_substeps) + ", or more");
+  get(in, "min_substeps", target.min_substeps, 1, 1024);
+  get(in, "max_substeps", target.max_substeps, 1, 1024);
+  if (target.max_substeps < target.min_substeps) {
+    in.fail_at("max_substeps", std::to_string(target.max_substeps) + (in.has("max_substeps") ? "" : ", the default,"),
+               "min_substeps, " + std::to_string(target.min_substeps) + ", or more");
   }
   return target;
 }

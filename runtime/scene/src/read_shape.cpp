@@ -16,7 +16,7 @@ namespace {
 
 using Indices = TriangleMesh::Indices;
 
-constexpr int most_vertices = 1'000'000'000;
+constexpr int max_vertices = 1'000'000'000;
 
 // In the order of the names below; those before HalfSpace may be parts of a compound.
 enum class ShapeName {
@@ -99,7 +99,7 @@ std::vector<Indices> read_triangles(const Reader& in) {
     if (triangle.size(corners) != 3) triangle.expected(corners);
     Indices& indices = triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
-      indices[k] = static_cast<std::uint32_t>(triangle.element(k).integer(0, most_vertices));
+      indices[k] = static_cast<std::uint32_t>(triangle.element(k).integer(0, max_vertices));
     }
   }
   return triangles;

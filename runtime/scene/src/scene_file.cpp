@@ -4,7 +4,7 @@
 #include <unordered_set>
 
 #include "file_size.h"
-#include "most_parts.h"
+#include "max_parts.h"
 #include "schema.h"
 #include "words.h"
 
@@ -13,7 +13,7 @@ namespace scene {
 namespace {
 
 constexpr double newest_version = 1;
-constexpr int most_steps = 1'000'000'000;
+constexpr int max_steps = 1'000'000'000;
 
 void read_format(const Reader& in) {
   const Reader format = in.at("format", quote("atoll-scene"));
@@ -42,7 +42,7 @@ void check_memory(const JsonDocument& document) {
   const SceneSize size = size_of_file(document.root);
   const std::string words = memory_words(size);
   // A scene with more bodies than allowed is refused later, by the reader, which knows the place in the file.
-  if (words.empty() || size.bodies > static_cast<double>(most_bodies)) return;
+  if (words.empty() || size.bodies > static_cast<double>(max_bodies)) return;
   throw SceneError(document.origin + ": its " + number_text(size.bodies) + " bodies need " + words);
 }
 
@@ -51,7 +51,7 @@ class BodyList {
  public:
   explicit BodyList(std::vector<SceneBody>& bodies) : bodies_(bodies) {}
 
-  std::size_t room() const { return most_bodies - bodies_.size(); }
+  std::size_t room() const { return max_bodies - bodies_.size(); }
 
   void add(SceneBody body, const Reader& in) {
     if (!body.name.empty() && !names_.insert(body.name).second) {
@@ -67,8 +67,8 @@ class BodyList {
 
 void read_bodies(const Reader& in, const Library& library, BodyList& list) {
   const std::size_t count = in.size("an array of bodies");
-  if (count > most_bodies) {
-    in.fail(std::to_string(count) + " bodies", "at most " + std::to_string(most_bodies));
+  if (count > max_bodies) {
+    in.fail(std::to_string(count) + " bodies", "at most " + std::to_string(max_bodies));
   }
   for (std::size_t i = 0; i < count; ++i) list.add(read_body(in.element(i), library), in.element(i));
 }
@@ -85,7 +85,7 @@ void read_generators(const Reader& in, const Library& library, std::uint64_t see
 
 void read_joints(const Reader& in, Scene& scene) {
   const std::size_t count = in.size("an array of joints");
-  if (count > most_joints) in.fail(std::to_string(count) + " joints", "at most " + std::to_string(most_joints));
+  if (count > max_joints) in.fail(std::to_string(count) + " joints", "at most " + std::to_string(max_joints));
   Places bodies("body"), joints("joint");
   for (const SceneBody& body : scene.bodies) bodies.add(body.name);
   std::unordered_set<std::string> names;
@@ -119,7 +119,7 @@ Scene parse_scene(std::string_view json, const std::string& origin, std::uint64_
   if (const auto description = in.find("description")) description->string();
   get(in, "gravity", scene.gravity);
   get(in, "dt", scene.dt, between(shortest_step, longest_step));
-  get(in, "steps", scene.steps, 1, most_steps);
+  get(in, "steps", scene.steps, 1, max_steps);
   get(in, "starts_at_rest", scene.starts_at_rest);
   if (const auto settings = in.find("settings")) scene.settings = read_settings(*settings);
 

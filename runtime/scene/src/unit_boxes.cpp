@@ -4,7 +4,7 @@
 
 #include "building_blocks.h"
 #include "builtin.h"
-#include "most_parts.h"
+#include "max_parts.h"
 #include "words.h"
 
 namespace atl::scene {
@@ -36,9 +36,9 @@ Scene build_pyramid3d(const ParameterValues& values, std::uint64_t) {
 Scene build_islands(const ParameterValues& values, std::uint64_t) {
   const int count = values.integer("count"), base = values.integer("base");
   const Lattice wall = wall_lattice(base);
-  if (count * wall.size() >= static_cast<double>(most_bodies)) {
+  if (count * wall.size() >= static_cast<double>(max_bodies)) {
     throw SceneError(values.address() + ": found " + number_text(count * wall.size()) + " boxes, expected fewer than " +
-                     std::to_string(most_bodies));
+                     std::to_string(max_bodies));
   }
   // A wall is as wide as its base, so 2 m are left between walls in a row and more between the rows.
   const double pitch = base + 2;

@@ -75,8 +75,8 @@ std::string quote(std::string_view text) {
 }
 
 std::string number_text(double value) {
-  constexpr double most_integer = 1e15;  // shown with all digits
-  if (std::trunc(value) == value && std::abs(value) < most_integer) {
+  constexpr double max_integer = 1e15;  // shown with all digits
+  if (std::trunc(value) == value && std::abs(value) < max_integer) {
     return std::to_string(static_cast<long long>(value));
   }
   std::array<char, 32> digits;
@@ -95,14 +95,14 @@ std::string listed(std::span<const std::string_view> names) {
 
 std::string suggestion(std::string_view found, std::span<const std::string_view> names) {
   if (found.size() > longest_quote) return "";
-  std::size_t least = std::max<std::size_t>(1, found.size() / 3) + 1;
+  std::size_t min = std::max<std::size_t>(1, found.size() / 3) + 1;
   std::string_view nearest;
   for (const std::string_view name : names) {
     // A name that starts with what was typed is near however much is missing.
     const bool starts = found.size() >= 3 && name.starts_with(found);
     const std::size_t distance = starts ? 1 : edit_distance(found, name);
-    if (distance < least) {
-      least = distance;
+    if (distance < min) {
+      min = distance;
       nearest = name;
     }
   }

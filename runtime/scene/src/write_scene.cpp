@@ -45,8 +45,8 @@ Json json(const ErrorTarget& target) {
   put(out, "joint_gap", target.joint_gap);
   put(out, "residual", target.residual);
   put(out, "motion", target.motion);
-  out["least_substeps"] = target.least_substeps;
-  out["most_substeps"] = target.most_substeps;
+  out["min_substeps"] = target.min_substeps;
+  out["max_substeps"] = target.max_substeps;
   return out;
 }
 

@@ -110,9 +110,9 @@ export class Film {
     return chunk;
   }
   forget() {
-    const most = Math.max(3, Math.floor(KEPT_BYTES / (26 * this.data.chunk_frames * Math.max(1, this.bodies.length))));
+    const max = Math.max(3, Math.floor(KEPT_BYTES / (26 * this.data.chunk_frames * Math.max(1, this.bodies.length))));
     for (const number of this.chunks.keys()) {
-      if (this.chunks.size <= most) return;
+      if (this.chunks.size <= max) return;
       this.chunks.delete(number);
       this.ready.delete(number);
     }

@@ -2,7 +2,7 @@
 
 const PHASE_HUES = [210, 40, 160, 280, 15, 90, 0];
 
-const maximum = (values) => values.reduce((most, value) => Math.max(most, value), 0);
+const maximum = (values) => values.reduce((max, value) => Math.max(max, value), 0);
 
 export class Strip {
   constructor(canvas, film, seek) {
@@ -10,7 +10,7 @@ export class Strip {
     this.frames = film.data.frames;
     this.count = film.frames;
     this.phases = Object.entries(this.frames.phase_ms);
-    this.most = maximum(this.frames.ms) || 1;
+    this.max = maximum(this.frames.ms) || 1;
     const move = (event) => {
       const box = canvas.getBoundingClientRect();
       const part = Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1);
@@ -59,7 +59,7 @@ export class Strip {
       for (let frame = from; frame < to; ++frame) if (this.frames.ms[frame] > this.frames.ms[slowest]) slowest = frame;
       let y = split;
       this.phases.forEach(([, ms], i) => {
-        const tall = (ms[slowest] / this.most) * (split - 2);
+        const tall = (ms[slowest] / this.max) * (split - 2);
         context.fillStyle = this.phaseColour(i);
         context.fillRect(x, y - tall, wide, tall);
         y -= tall;

@@ -66,7 +66,7 @@ struct Softness {
 /// tuning::stiffening_penetration gets springs and dashpots stronger by a factor: overlap is removed as fast as before,
 /// but less of it stays. Contacts of jointed bodies don't stiffen, since the joints would give instead.
 struct Stiffening {
-  float most = 1;                 ///< how many times as stiff; 1: never
+  float max = 1;                  ///< how many times as stiff; 1: never
   float penetration_by_load = 0;  ///< m by N s a substep and 1/kg, as stiff as contacts are otherwise
   float response = 0;             ///< of the spring and dashpot to a change of speed, by that of the masses
 
@@ -75,7 +75,7 @@ struct Stiffening {
   static Stiffening of(const SolverSettings& settings, double hertz, double h) {
     const double omega = 2 * 3.14159265358979323846 * hertz;
     const bool stiffens = settings.contact_hertz == 0 && !settings.refined;
-    return {stiffens ? tuning::most_stiffening : 1, static_cast<float>(1 / (h * omega * omega)),
+    return {stiffens ? tuning::max_stiffening : 1, static_cast<float>(1 / (h * omega * omega)),
             static_cast<float>(h * omega * (2 * settings.contact_damping_ratio + h * omega))};
   }
 };
@@ -151,7 +151,7 @@ struct SubstepConstants {
 
   /// m by N and 1/kg: how far contacts between dynamic bodies count as giving under a load, whatever the substeps.
   static double penetration_by_load(const SolverSettings& settings, double dt) {
-    double hertz = tuning::contact_hertz_share * tuning::usual_substeps / dt;
+    double hertz = tuning::contact_hertz_share * tuning::assumed_substeps / dt;
     if (settings.contact_hertz > 0 && settings.contact_hertz < hertz) hertz = settings.contact_hertz;
     const double omega = 2 * 3.14159265358979323846 * hertz;
     return 1 / (omega * omega);

@@ -25,11 +25,11 @@ inline constexpr double joint_hertz_limit = 0.28;
 inline constexpr int joint_relaxations = 2;
 /// Smallest part of a row's response J M^-1 J^T that must be left while its joint holds. A row with less would act by
 /// single precision's rounding, and stays as it is.
-inline constexpr double least_held = 1e-5;
+inline constexpr double min_response_share = 1e-5;
 /// m or rad by which a locked coordinate is brought back in a substep at most. Without, hinges whose axes are put apart
 /// close at 248 rad/s; with an eighth of it a servo's arm gets nine tenths of the torque. Also the distance from the
 /// ends of its range from which on a free coordinate need not be ready to act.
-inline constexpr double most_closed = 0.1;
+inline constexpr double max_closing = 0.1;
 
 /// Penetration of soft contacts under their load above which they stiffen, in parts of the smaller body's half
 /// thickness. `pile` overlaps by 10.6 mm in the mean without stiffening, by 4.6 mm with 1% and by 3.3 mm with half a
@@ -37,9 +37,9 @@ inline constexpr double most_closed = 0.1;
 /// instead of 5, which it doesn't with 2%.
 inline constexpr double stiffening_penetration = 0.01;
 /// Largest factor of stiffening. With 2, 4 and 16 `pile` overlaps by 6.3, 5.0 and 4.5 mm in the mean, with 8 by 4.6.
-inline constexpr float most_stiffening = 8;
+inline constexpr float max_stiffening = 8;
 /// rad a step: the contacts of a body that turns by more are placed as they will be half way through the step.
-inline constexpr double least_turn = 1e-5;
+inline constexpr double min_turn = 1e-5;
 /// rad a step, up to which a body is assumed to turn on as it does. The part of the half turn by which contacts are
 /// moved falls with the fourth power of the turn. With 1 a top of 50 rad/s, whose nutation no step of 1/60 s resolves,
 /// falls over (an error of 1.2 instead of 0.27, relative to its tilt); with 0.25 or 0.5 rolling bodies are the same.
@@ -50,10 +50,10 @@ inline constexpr double known_turn = 0.25;
 inline constexpr double blind_turn = 1;
 /// Lower bound of the squared sine of the angle between a round body's axis and a normal. A body that lies flat is
 /// touched at no single point of its rim, and the point would move along the rim as far as it likes.
-inline constexpr double least_lean = 0.01;
+inline constexpr double min_lean = 0.01;
 /// (m/s)^2. The push speed grows with the root of gravity times size (the contact's distance from the centre of mass)
 /// above this value. Boxes of a metre come to half of it on Earth. Without, boxes of a kilometre overlap by a tenth.
-inline constexpr double usual_drop = 9.81;
+inline constexpr double reference_gravity = 9.81;
 /// m/s: a contact that closes faster gets more rounds over its points, since otherwise a body that lands flat is left
 /// turning. A box of 1 m dropped flat from 3 m slides by 0.05 mm instead of 15, from 10 m by 4 mm instead of 150. At an
 /// eighth, bodies that merely move get the rounds too: a piston's load is thrown at 15 m/s.
@@ -67,15 +67,15 @@ inline constexpr int landing_rounds = 7;
 /// Slowest impact that bounces by default, in parts of the speed that gravity gives in a substep. With 1, bodies at
 /// rest rattle. A ball of restitution 0.8 that falls from 1 m comes to rest after 3.95 s with 2, after 3.3 s with 25,
 /// and after 4.06 s by its closed form.
-inline constexpr double least_bounce = 2;
+inline constexpr double min_bounce = 2;
 
 /// Rounds of passing an impact on from body to body within a substep; the rest waits for the next. A row of 40 balls
 /// takes 40. With 8, boxes that fall in a heap take 5% less time.
-inline constexpr int most_impact_rounds = 64;
+inline constexpr int max_impact_rounds = 64;
 /// Sweeps over simultaneous impacts in a round, and the part of their fastest speed that the last sweep may change.
 /// With these, a rack of 15 balls parts symmetrically to 5e-11 m/s of 8; with 1000 and 1e-13 it does to 1e-13. 1000
 /// boxes of restitution 0.1 that fall in a heap take 2.5 ms a step, 2.9 with 50 sweeps, and 5.8 and more with 1000.
-inline constexpr int most_impact_sweeps = 20;
+inline constexpr int max_impact_sweeps = 20;
 inline constexpr double impact_tolerance = 1e-10;
 
 /// Sweeps over a group's joints in a substep in which some coordinate bounces at the end of its range.
@@ -86,7 +86,7 @@ inline constexpr int joint_bounce_sweeps = 16;
 
 /// rad/s: the tumbling of bodies that spin slower is neglected (the square is an angular acceleration), so that a pile
 /// at rest need not pay for it. It is no turn in a substep, or finer steps would be worse.
-inline constexpr double least_spin = 0.02;
+inline constexpr double min_spin = 0.02;
 
 // --- Joints
 
@@ -99,9 +99,9 @@ inline constexpr double tension_smoothing = 0.2;
 inline constexpr double closing_speed = 3;
 /// rad: the bend of joints whose arms swing by more in a substep is not foreseen, but corrected after the substep. Ten
 /// rods that whip at 1/3 rad keep their energy to 60% so, and to 800% without a limit.
-inline constexpr double most_bend = 0.1;
+inline constexpr double max_bend = 0.1;
 /// rad/s: the bend of arms that turn slower is neglected. With 0.1 small swings are no longer of second order.
-inline constexpr double least_bend_spin = 1e-3;
+inline constexpr double min_bend_spin = 1e-3;
 /// Part of its rate that a damper takes from its two bodies alone in a substep, above which its mass is that of all
 /// joined bodies. Without, the wrist of a Shadow hand, whose bodies are light and carry the fingers, is off by 9e-4 rad
 /// after a second at 1/240, with it by 7e-5. If servos are treated alike, a humanoid takes 1.4 times as long, and is
@@ -139,22 +139,22 @@ inline constexpr double energy_tolerance = 1e-3;
 inline constexpr double held_tolerance = 1e-4;
 /// m/s: closing gaps gives joined bodies no more kinetic energy than their mass has at this speed. Of 6000 random
 /// mechanisms one explodes without it, none with it.
-inline constexpr double most_closing_speed = 3;
+inline constexpr double max_closing_speed = 3;
 /// Energy error that is tolerated in islands whose joints touch something, in parts of the energy that springs and
 /// servos exchange with motion in a step. A leg that jumps by a servo of 45 rad/s at steps of 1/60 s comes up to 92% of
 /// its height with 0.
 inline constexpr double exchange_tolerance = 0.1;
 /// Largest part by which the energy of jointed bodies is corrected in a step: see Conservation. With 0.05 three rods
 /// that whip lose all of theirs in 100 s at the default step, with 0.5 none.
-inline constexpr double most_energy_restored = 0.5;
+inline constexpr double max_energy_restored = 0.5;
 /// Parting speed of joints as a step begins, in parts of the island's fastest speed, above which something must have
 /// struck the island. Closed gaps leave a tenth of it.
-inline constexpr double most_parting = 1e-3;
+inline constexpr double max_parting = 1e-3;
 /// rad: energy isn't corrected if an arm swings by more in a substep. With 0.1 ten rods that are let go level lose 43%
 /// of theirs in 100 s at the default step.
-inline constexpr double most_resolved_swing = 0.3;
+inline constexpr double max_resolved_swing = 0.3;
 /// J/kg: a smaller energy is rounding.
-inline constexpr double least_energy = 1e-12;
+inline constexpr double min_energy = 1e-12;
 /// m/s or rad/s, and as part of the rate: a motor farther from its speed as a step begins has been at its limit of
 /// force. The number allows for rates in single precision within a step. Not tried otherwise.
 inline constexpr double motor_behind = 1e-5;
@@ -191,13 +191,13 @@ inline constexpr double deep_ratio = 64;
 /// contacts are stiffer, but a check by the actual number would leave a wall to eight substeps, and it would sink by
 /// 165 mm. A wall asked for four gets sixteen, and sinks by 41. More substeps don't settle columns either: with 16 a
 /// tower of 50 boxes that gives by only 0.3% falls.
-inline constexpr double usual_substeps = 4;
+inline constexpr double assumed_substeps = 4;
 /// Lower bound of a body's extent along the normal, in parts of the contact's arm, for bodies touched at a rim. At four
 /// times card houses sag, at a quarter nothing moved.
-inline constexpr double least_thickness = 0.1;
+inline constexpr double min_thickness = 0.1;
 /// Smallest cosine between a normal and up with which a contact counts as support when loads are estimated. A quarter
 /// of it moved nothing.
-inline constexpr double least_slope = 0.3;
+inline constexpr double min_slope = 0.3;
 /// Steps between estimates of the loads in an island, while its bodies stay the same. With 1 pyramids take 5% longer,
 /// and with 4 they take 1%.
 inline constexpr int load_interval = 4;
@@ -215,7 +215,7 @@ inline constexpr double refined_substep = 1.0 / 960;
 /// 12% with 1, by 3.4 with 4, by 2.5 with 8 and by 1.5 with 16; in 6% more time with 8, in 12 with 16.
 inline constexpr int landing_refinement = 8;
 /// Largest number of bodies of an island that is solved at once: larger ones take longer than a step may.
-inline constexpr std::size_t most_bodies = 400;
+inline constexpr std::size_t max_bodies = 400;
 /// Largest mass ratio of a body to a jointed one that it lies on, for joints and contacts to be solved in turns. Boxes
 /// of 10 times a plank's weight bounce off a bridge at 2.3 m/s, of 30 times at 4, where 0.9 is right.
 inline constexpr double light_ratio = 10;
@@ -223,7 +223,7 @@ inline constexpr double light_ratio = 10;
 /// eigenvalue of J1 J2^T J2 J1^T, with rows scaled by J M^-1 J^T of each joint. Two heavy wheels on a light bar ring
 /// up, from 34 J to 230 kJ in 5 s, at 0.78, and don't at 0.77 and below. Chains of hinged capsules, which don't ring up
 /// either, come to 0.74; solving them at once as well takes 3.4 times as long.
-inline constexpr double most_left = 0.76;
+inline constexpr double max_error_left = 0.76;
 /// Largest number of joints on the longest path through swept joints; longer chains are solved at once. 3 or 48 moved
 /// nothing.
 inline constexpr std::size_t long_chain = 12;
@@ -231,7 +231,7 @@ inline constexpr std::size_t long_chain = 12;
 // --- Targets of errors
 
 /// m: a smaller overlap does not count, as in the audit.
-inline constexpr double least_overlap = 1e-5;
+inline constexpr double min_overlap = 1e-5;
 /// Part of a target that the choice of substeps aims at. With 0.8 islands at rest take 24 substeps instead of 16 to
 /// hold 0.1 mm, and 1.4 times as long; the error of the choice is smaller than the margin left.
 inline constexpr double target_margin = 0.95;
@@ -250,7 +250,7 @@ inline constexpr double first_load = 10;
 /// take 1.3 to 1.5 times as long as with a fixed number, now 1.1 to 1.2; the others were not tried otherwise.
 inline constexpr double first_target_hold = 0.1;
 inline constexpr double target_hold = 0.25;
-inline constexpr double most_target_hold = 16;
+inline constexpr double max_target_hold = 16;
 /// Steps from one measurement of residuals to the next: one takes about the time of a step.
 inline constexpr int residual_interval = 8;
 /// Factor of the motion error: times the substep's square and the acceleration's rate of change, as for the trapezoidal
@@ -272,7 +272,7 @@ inline constexpr std::size_t factor_blocks_per_body = 12;
 /// one, and up to thirteen bodies may all be joined to each other.
 inline constexpr std::size_t factor_blocks_per_joined_body = 6;
 /// rad: a body whose moments of inertia differ may not turn by more in the time that is solved for.
-inline constexpr double most_tumble = 0.3;
+inline constexpr double max_tumble = 0.3;
 
 // --- At once: iterations
 
@@ -280,22 +280,22 @@ inline constexpr double most_tumble = 0.3;
 inline constexpr double balance_tolerance = 2e-4;
 /// Newton's method takes 0 to 4 iterations at rest. If contacts close fast, points come and go one by one: with 20,
 /// heaps that are shaken take twice as long, to no end.
-inline constexpr int most_iterations = 6;
+inline constexpr int max_iterations = 6;
 /// The limit for islands where more iterations do converge. These are a heavy box that lands on a chain of light planks
 /// (6 to 30), a belt that takes along a column (more than 12), and all islands that must be solved at once whatever it
 /// takes: a wall of 210 boxes that has just been put up takes 89, and with 30 is swept.
-inline constexpr int most_iterations_if_patient = 100;
+inline constexpr int max_iterations_if_patient = 100;
 /// Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
 /// difference at best.
 inline constexpr int following = 2;
 /// Largest impulse of a contact, in multiples of the impulse that would stop all bodies of the island and hold their
 /// weights. One that pushes harder is wedged between others, so that its force is undetermined.
-inline constexpr double most_impulse = 10;
+inline constexpr double max_impulse = 10;
 /// m/s: slowest sinking of a column's top that is corrected. At a hundred times one of 50 boxes sinks by 14 um in 3 s.
-inline constexpr double least_sinking = 5e-7;
+inline constexpr double min_sinking = 5e-7;
 /// Rounds of correcting the sinking. With a million times its weight on it, a box sinks in each round by a tenth of
 /// what it did in the one before; with 4 rounds that column falls.
-inline constexpr int most_penetration_rounds = 8;
+inline constexpr int max_penetration_rounds = 8;
 
 // --- At once: substeps of islands with joints
 
@@ -306,7 +306,7 @@ inline constexpr double notable_stiffness = 0.1;
 inline constexpr double resting_speed = 1e-3;
 /// Newton steps that close joints in a substep's motion, and how often each may be shortened to a quarter. One step is
 /// enough, except in one of fifty substeps after impacts. Four times less or more of both moved nothing.
-inline constexpr int most_closing_steps = 20;
-inline constexpr int most_shortenings = 4;
+inline constexpr int max_closing_steps = 20;
+inline constexpr int max_shortenings = 4;
 
 }  // namespace atl::solver::tuning

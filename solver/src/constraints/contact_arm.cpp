@@ -92,7 +92,7 @@ Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& no
   if (arm.axis.isZero(0)) return by * arm.pivot + arm.rim;
   const double along = arm.axis.dot(normal);
   const Vector3 without_spin = turn - turn.dot(arm.axis) * arm.axis;
-  const double along_rim = without_spin.dot(normal) * along / std::max(1 - along * along, tuning::least_lean);
+  const double along_rim = without_spin.dot(normal) * along / std::max(1 - along * along, tuning::min_lean);
   // A spin goes with its axis, which it doesn't turn.
   const Vector3 on_axis = arm.pivot.dot(arm.axis) * arm.axis;
   const Quaternion tilt = rotation_by(without_spin + along_rim * arm.axis);
@@ -101,7 +101,7 @@ Vector3 turned_arm(const ContactArm& arm, const Vector3& turn, const Vector3& no
 
 double line_turn(const ContactArm& arm, const Vector3& turn, const Vector3& normal) {
   const Vector3 flat = arm.axis - arm.axis.dot(normal) * normal;
-  return normal.dot(flat.cross(turn.cross(arm.axis))) / std::max(flat.squaredNorm(), tuning::least_lean);
+  return normal.dot(flat.cross(turn.cross(arm.axis))) / std::max(flat.squaredNorm(), tuning::min_lean);
 }
 
 double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion& turn, const Vector3& normal) {
@@ -111,7 +111,7 @@ double gained_along(const ContactArm& arm, const Vector3& off, const Quaternion&
 }
 
 bool turns_in_step(const BodyTable& bodies, std::uint32_t body, double dt) {
-  return dt * bodies.angular_velocity(body).norm() > tuning::least_turn && !bodies.ball[body];
+  return dt * bodies.angular_velocity(body).norm() > tuning::min_turn && !bodies.ball[body];
 }
 
 Vector3 half_turn(const BodyTable& bodies, std::uint32_t body, double dt) {

@@ -83,8 +83,8 @@ JointRow joint_row(const Joint& joint, std::size_t row, const JointFrames& frame
 
 double continued(Coordinate coordinate, double value, double before) {
   // rad: beyond, turns are closer to each other than what a number can tell. A prediction may be there, or nowhere.
-  constexpr double most = 1e15;
-  if (!(std::abs(before) <= most)) before = 0;
+  constexpr double max = 1e15;
+  if (!(std::abs(before) <= max)) before = 0;
   if (is_rate(coordinate)) return before;
   if (!counts_turns(coordinate)) return value;
   constexpr double turn = 2 * 3.14159265358979323846;

@@ -85,8 +85,8 @@ JointRow swing_along(const JointFrames& frames, int axis_second) {
   // 1 + c, without the cancellation that there is where the axes are almost opposed.
   const double both = cosine > 0 ? 1 + cosine : (part * part + other * other) / (1 - cosine);
   // Nearer to opposed than rounding tells axes apart, one direction is as good as another.
-  constexpr double least = 1e-30;
-  if (!(both > least)) return angular_row(along, axis_second == 1 ? 2 : 0);
+  constexpr double min = 1e-30;
+  if (!(both > min)) return angular_row(along, axis_second == 1 ? 2 : 0);
   const double scale = std::sqrt(2 / both);
   return angular_row(scale * (along.cross(a) - part / (2 * both) * b.cross(a)), scale * part);
 }

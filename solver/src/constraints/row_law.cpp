@@ -12,7 +12,7 @@ namespace atl::solver {
 namespace {
 
 constexpr double unlimited_rate = 1e30;  // m/s or rad/s
-constexpr double least_hold = 1e-12;     // of what rounding leaves of a very soft spring
+constexpr double min_hold = 1e-12;       // of what rounding leaves of a very soft spring
 
 // kg or kg m^2, that a spring or servo goes with: see RowLaw::of().
 using ForceOf = LinearForce (*)(const Law&, double, double);
@@ -61,7 +61,7 @@ void LinearForce::add(const LinearForce& other) {
 
 double LinearForce::fastest() const { return std::max(std::sqrt(square_of_omega), decay); }
 
-bool LinearForce::is_stiff(double h) const { return fastest() * h > SpringStep::most_phase; }
+bool LinearForce::is_stiff(double h) const { return fastest() * h > SpringStep::max_phase; }
 
 LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double alone, double h) {
   const double moved = mass + law.armature, stiffened = (alone + law.armature) / moved;
@@ -105,7 +105,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   if (law.springs() || law.armature > 0) {
     const double moved = mass_for(LinearForce::of_spring, law, at, mass);
     const LinearStep spring = LinearStep::of_spring(law, at, moved, effective_mass, h);
-    const double hold = std::max(spring.hold, least_hold);
+    const double hold = std::max(spring.hold, min_hold);
     row.spring_slope = moved * hold;
     row.spring_rate = spring.shift / hold;
     row.spring_keeps = spring.keep / hold;
@@ -113,7 +113,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   if (law.is_servo()) {
     const double moved = mass_for(LinearForce::of_servo, law, at, mass);
     const LinearStep servo = LinearStep::of_servo(law, at, moved, h);
-    const double hold = std::max(servo.hold, least_hold);
+    const double hold = std::max(servo.hold, min_hold);
     row.motor_slope = moved * hold;
     row.motor_speed = servo.shift / hold;
     row.motor_keeps = servo.keep / hold;
@@ -161,7 +161,7 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, 
     given -= std::clamp(time * moved * servo.at(at.value, rate), -row.motor_impulse, row.motor_impulse);
     row.motor_impulse = 0;
   } else if (law.is_servo() && turns) {
-    row.motor_slope = std::max(time * moved * servo.decay, least_hold * effective_mass);
+    row.motor_slope = std::max(time * moved * servo.decay, min_hold * effective_mass);
     row.motor_speed = time * moved * servo.at(at.value, 0) / row.motor_slope;
   }
   if (!stiff) {
@@ -172,7 +172,7 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, 
     if (sign < 0 && is_behind(rate, rate)) given += std::copysign(std::exchange(row.friction_impulse, 0), rate);
   }
   if (given == 0 && slope == 0) return row;
-  row.spring_slope = std::max(slope, least_hold * effective_mass);
+  row.spring_slope = std::max(slope, min_hold * effective_mass);
   row.spring_rate = given / row.spring_slope;
   return row;
 }
@@ -205,9 +205,9 @@ void RowLaw::soften_friction(double effective_mass) {
 // is piecewise linear with few pieces.
 double RowLaw::rate_from(double free, double response) const {
   ATL_ASSERT(!(response < 0), response);
-  constexpr int most_rounds = 60;
+  constexpr int max_rounds = 60;
   double low = -unlimited_rate, high = unlimited_rate, rate = free;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     const double above = rate - free - response * impulse(rate);
     (above > 0 ? high : low) = rate;
     const double next = rate - above / (1 + response * slope(rate));

@@ -14,7 +14,7 @@ SpringStep SpringStep::of(double omega, double decay, double h) {
   ATL_ASSERT(h > 0, h);
   ATL_ASSERT(!(omega < 0) && !(decay < 0), omega, decay);
   const double phase = omega * h;
-  const double half = std::max(0.5 * decay * h, std::sqrt(std::max(phase * phase - most_phase * most_phase, 0.0)));
+  const double half = std::max(0.5 * decay * h, std::sqrt(std::max(phase * phase - max_phase * max_phase, 0.0)));
   const double lost = -exponential_less_one(-2 * half);  // d
   double hold = 0;
   if (half >= phase) {

@@ -55,7 +55,7 @@ bool stores_energy(const Joint& joint) {
   return std::any_of(joint.law.begin(), joint.law.begin() + joint.rows, stores);
 }
 
-double most_given(const Joint& joint, double dt) {
+double max_energy_given(const Joint& joint, double dt) {
   double sum = 0;
   for (const Law& law : std::span(joint.law).first(joint.rows)) {
     if (law.locked()) continue;

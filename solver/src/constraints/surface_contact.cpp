@@ -19,9 +19,9 @@ Vector3 surface_spin(const BodyTable& bodies, std::uint32_t body) {
   return bodies.orientation(body) * bodies.surfaces[body].motion.angular_velocity;
 }
 
-bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
-                      const collision::ContactManifold& manifold, double ahead, const AddedSlip* added,
-                      SurfaceContact& contact) {
+bool update_surface_contact(const collision::TouchingPair& pair, const BodyTable& bodies,
+                            const collision::ContactManifold& manifold, double ahead, const AddedSlip* added,
+                            SurfaceContact& contact) {
   static const Surface plain;
   const auto surface_of = [&](std::uint32_t body) -> const Surface& {
     return bodies.surfaces.empty() ? plain : bodies.surfaces[body];
@@ -29,7 +29,7 @@ bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodi
   const Surface& first = surface_of(pair.first);
   const Surface& second = surface_of(pair.second);
   // Kernels of a group without such surfaces leave it alone.
-  if (!is_pressed(manifold) || contact.rolling_friction == 0) std::fill_n(contact.rolling_impulse, 3, 0.0f);
+  if (!has_impulse(manifold) || contact.rolling_friction == 0) std::fill_n(contact.rolling_impulse, 3, 0.0f);
   // A contact stays under the body that moves, and travels over the one that doesn't.
   const auto runs = [&](std::uint32_t body, std::uint32_t other, Vector3 arm) {
     if (bodies.mobility[body] != Mobility::Dynamic)

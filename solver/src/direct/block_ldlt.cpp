@@ -151,9 +151,9 @@ inline void subtract_transposed(double* value, const double* block, const double
 }  // namespace
 
 bool BlockLdlt::analyse(std::span<const std::uint8_t> sizes,
-                        std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings, std::size_t most_blocks) {
+                        std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings, std::size_t max_blocks) {
   const std::size_t count = sizes.size();
-  EliminationOrder elimination = least_degree_order(count, couplings, most_blocks);
+  EliminationOrder elimination = min_degree_order(count, couplings, max_blocks);
   const bool fits = elimination.order.size() == count;
   columns_.clear();
   below_.clear();

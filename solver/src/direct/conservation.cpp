@@ -51,14 +51,14 @@ bool move_as_joined(const Joint* joints, const IslandProblem& problem) {
     square_of_spin = std::max(square_of_spin, angular_part(problem.velocity, i).squaredNorm());
     radius = std::max(radius, problem.bodies[i].radius);
   }
-  const double most_spin = tuning::most_parting * std::sqrt(square_of_spin);
-  const double most = tuning::most_parting * std::sqrt(square) + radius * most_spin;
+  const double max_spin = tuning::max_parting * std::sqrt(square_of_spin);
+  const double max = tuning::max_parting * std::sqrt(square) + radius * max_spin;
   for (const DirectJoint& joint : problem.joints) {
     DirectJoint::Rows<double> rates;
     joint.rates_by(problem.velocity.data(), rates.data());
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const bool turns = r >= joint.point_rows() && joint.at[r].linear.isZero(0);
-      if (std::abs(rates[r]) > (turns ? most_spin : most) && law_of(joints[joint.joint], r).locked()) return false;
+      if (std::abs(rates[r]) > (turns ? max_spin : max) && law_of(joints[joint.joint], r).locked()) return false;
     }
   }
   return true;
@@ -215,8 +215,8 @@ void Conservation::restore(const DirectIslandInput& input, std::span<const Movin
   const double rotors = all_locked_ ? 0 : energy_of_rotors(input.joints, problem);
   const double moving = kinetic_energy(bodies, problem, problem.velocity) + rotors - drift.energy;
   const double right = energy_ + work_of_forces(input, problem, bodies) - drift.energy;
-  if (!(moving > tuning::least_energy * mass_of(problem))) return;
-  const double square = std::clamp(right / moving, 1 - tuning::most_energy_restored, 1 + tuning::most_energy_restored);
+  if (!(moving > tuning::min_energy * mass_of(problem))) return;
+  const double square = std::clamp(right / moving, 1 - tuning::max_energy_restored, 1 + tuning::max_energy_restored);
   const double factor = std::sqrt(square);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vector3 velocity = drift.velocity + drift.spin.cross(bodies[i].now.position - drift.centre);

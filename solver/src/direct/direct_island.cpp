@@ -86,8 +86,8 @@ bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& gr
   motions_ = IslandMotions();
   bodies_ = std::vector<MovingBody>();
   const std::size_t count = members_.bodies.size();
-  return fits_ = count <= tuning::most_bodies &&
-                 motions_.search.matrix.analyse(count, members_.couplings(input), most_factor_blocks(count, true));
+  return fits_ = count <= tuning::max_bodies &&
+                 motions_.search.matrix.analyse(count, members_.couplings(input), max_factor_blocks(count, true));
 }
 
 DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {

@@ -38,7 +38,7 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
   answer_.resize(6 * count);
   motions_.problem.joints.resize(links.size());
   load_joints(joints.data(), members_, motions_.problem.joints);
-  return motions_.search.matrix.analyse_joints(motions_.problem, most_factor_blocks(count, false));
+  return motions_.search.matrix.analyse_joints(motions_.problem, max_factor_blocks(count, false));
 }
 
 bool DirectJoints::solve(const DirectIslandInput& input) {
@@ -50,7 +50,7 @@ void DirectJoints::begin_step(const DirectIslandInput& input) {
   static_cast<void>(load_bodies(input, members_, motions_.problem, bodies_));
   rows_ = load_joints(input.joints, members_, motions_.problem.joints);
   Substeps(input, bodies_, motions_, rows_).begin();
-  if (!rows_.all_locked) note_rates(motions_.problem.velocity, motions_.problem.joints);
+  if (!rows_.all_locked) record_rates(motions_.problem.velocity, motions_.problem.joints);
 }
 
 void DirectJoints::begin_substep(const DirectIslandInput& input) {
@@ -75,7 +75,7 @@ void DirectJoints::solve_velocities(const DirectIslandInput& input, int substep,
   }
   solved_ = true;
   for (std::size_t i = 0; i < answer_.size(); ++i) answer_[i] = problem.velocity[i] - problem.free[i];
-  note_armature(input.joints, problem.velocity, problem.joints);
+  record_armature_rates(input.joints, problem.velocity, problem.joints);
   store_velocities(problem.velocity, bodies);
 }
 
@@ -114,8 +114,8 @@ void DirectJoints::keep_projected(const DirectIslandInput& input, bool found, So
   IslandProblem& problem = motions_.problem;
   if (!found) load_velocities(bodies);
   const std::vector<double>& velocities = found ? problem.velocity : motions_.lasting;
-  if (!rows_.all_locked) note_rates(velocities, problem.joints);
-  note_armature(input.joints, velocities, problem.joints);
+  if (!rows_.all_locked) record_rates(velocities, problem.joints);
+  record_armature_rates(input.joints, velocities, problem.joints);
   if (found) store_velocities(velocities, bodies);
 }
 
@@ -131,7 +131,7 @@ void DirectJoints::finish(const DirectIslandInput& input) {
     const std::uint32_t body = members_.bodies[i];
     table.position(body) = bodies_[i].now.position;
     table.set_orientation(body, bodies_[i].now.orientation);
-    note_motion(table, input.bounds, body, bodies_[i].start, input.dt, notes);
+    record_motion(table, input.bounds, body, bodies_[i].start, input.dt, notes);
   }
   write_back_joints(input, motions_.problem.joints);
 }

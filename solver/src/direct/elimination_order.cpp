@@ -22,7 +22,7 @@ class Queue {
     next_[node] = none;
     (last == none ? head_[degree] : next_[last]) = node;
     tail_[degree] = node;
-    least_ = std::min(least_, degree);
+    min_ = std::min(min_, degree);
   }
 
   void remove(std::uint32_t node, std::size_t degree) {
@@ -36,15 +36,15 @@ class Queue {
 
   // There is one.
   std::uint32_t front() {
-    while (head_[least_] == none) ++least_;
-    ATL_ASSERT(least_ < head_.size(), least_, head_.size());
-    return head_[least_];
+    while (head_[min_] == none) ++min_;
+    ATL_ASSERT(min_ < head_.size(), min_, head_.size());
+    return head_[min_];
   }
 
  private:
   std::vector<std::uint32_t> head_, tail_;      // by degree
   std::vector<std::uint32_t> next_, previous_;  // by node
-  std::size_t least_ = 0;                       // no node has a lower degree
+  std::size_t min_ = 0;                         // no node has a lower degree
 };
 
 // Neighbours of each node that is left, rising.
@@ -128,11 +128,10 @@ class Graph {
 
 }  // namespace
 
-EliminationOrder least_degree_order(std::size_t nodes,
-                                    std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings,
-                                    std::size_t most) {
+EliminationOrder min_degree_order(std::size_t nodes, std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings,
+                                  std::size_t max) {
   Graph graph(nodes, couplings);
-  if (graph.couplings() > most) return {};
+  if (graph.couplings() > max) return {};
 
   EliminationOrder result;
   result.order.reserve(nodes);
@@ -158,7 +157,7 @@ EliminationOrder least_degree_order(std::size_t nodes,
     finish(node);
     if (clique.size() + 1 == left) {
       // All nodes left are coupled with each other, so their columns are written without a further search.
-      if (result.later.size() + clique.size() * (clique.size() - (clique.empty() ? 0 : 1)) / 2 > most) return {};
+      if (result.later.size() + clique.size() * (clique.size() - (clique.empty() ? 0 : 1)) / 2 > max) return {};
       for (auto next = clique.begin(); next != clique.end(); ++next) {
         result.later.insert(result.later.end(), next + 1, clique.end());
         finish(*next);
@@ -172,14 +171,14 @@ EliminationOrder least_degree_order(std::size_t nodes,
       queue.push(other, graph.degree(other));
     }
     graph.drop(node);
-    if (result.later.size() + graph.couplings() > most) return {};
+    if (result.later.size() + graph.couplings() > max) return {};
   }
 
   for (std::uint32_t& node : result.later) node = result.rank[node];
   ATL_ASSERT(result.order.size() == nodes, result.order.size(), nodes);
   ATL_ASSERT(result.start.size() == nodes + 1, result.start.size(), nodes);
   ATL_ASSERT(result.start.back() == result.later.size(), result.start.back(), result.later.size());
-  ATL_ASSERT(result.later.size() <= most, result.later.size(), most);
+  ATL_ASSERT(result.later.size() <= max, result.later.size(), max);
   for (std::size_t column = 0; column < nodes; ++column) {
     ATL_ASSERT(result.rank[result.order[column]] == column, column, result.order[column]);
     ATL_ASSERT(result.start[column] <= result.start[column + 1], column, result.start[column],

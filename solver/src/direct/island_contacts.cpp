@@ -205,7 +205,7 @@ void load_contact(const DirectIslandInput& input, const TouchingPair& pair, cons
   if (input.surface_contacts == nullptr) return;
   SurfaceContact& surface = input.surface_contacts[pair.slot];
   const double ahead = half_way ? input.dt : 0.5 * input.dt;
-  note_surfaces_of(pair, table, manifold, ahead, input.added_slip(pair.slot), surface);
+  update_surface_contact(pair, table, manifold, ahead, input.added_slip(pair.slot), surface);
   load_surfaces(surface, response, contact);
 }
 

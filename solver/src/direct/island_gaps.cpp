@@ -47,38 +47,38 @@ void find_gaps(const Joint* joints, const DirectJoint& joint, const IslandPoses&
 }
 
 double widest(const DirectJoint& joint, const DirectJoint::Rows<double>& gap) {
-  double most = 0;
+  double max = 0;
   for (std::size_t r = 0; r < joint.rows; ++r) {
-    most = std::max(most, std::abs(gap[r]));
+    max = std::max(max, std::abs(gap[r]));
   }
-  return most;
+  return max;
 }
 
 double widest_gap(const Joint* joints, const std::vector<DirectJoint>& all, const IslandPoses& poses) {
-  double most = 0;
+  double max = 0;
   DirectJoint::Rows<double> gap;
   for (const DirectJoint& joint : all) {
     find_gaps(joints, joint, poses, gap);
-    most = std::max(most, widest(joint, gap));
+    max = std::max(max, widest(joint, gap));
   }
-  return most;
+  return max;
 }
 
 // Keeps all gaps. Returns the widest.
-double note_gaps(const Joint* joints, const IslandPoses& poses, std::vector<DirectJoint>& all) {
-  double most = 0;
+double update_gaps(const Joint* joints, const IslandPoses& poses, std::vector<DirectJoint>& all) {
+  double max = 0;
   for (DirectJoint& joint : all) {
     find_gaps(joints, joint, poses, joint.gap);
-    most = std::max(most, widest(joint, joint.gap));
+    max = std::max(max, widest(joint, joint.gap));
   }
-  return most;
+  return max;
 }
 
 // m or rad, of what would close joints.
 double longest_move(const std::vector<double>& by) {
-  double most = 0;
-  for (std::size_t i = 0; i < by.size(); i += 3) most = std::max(most, Eigen::Map<const Vector3>(&by[i]).norm());
-  return most;
+  double max = 0;
+  for (std::size_t i = 0; i < by.size(); i += 3) max = std::max(max, Eigen::Map<const Vector3>(&by[i]).norm());
+  return max;
 }
 
 // Moves bodies by as much of the closing motion as closes anything. Returns how much that was, or 0 if nothing does.
@@ -86,7 +86,7 @@ double move_closer(const DirectIslandInput& input, double time, double gap_befor
                    const IslandMotions& motions) {
   for (MovingBody& body : bodies) body.before = body.now;
   double share = std::min(1.0, tuning::far_at_rest / longest_move(motions.search.direction));
-  for (int round = 0; round < tuning::most_shortenings; ++round, share *= 0.25) {
+  for (int round = 0; round < tuning::max_shortenings; ++round, share *= 0.25) {
     move(bodies, share, motions.search.direction);
     const double gap = widest_gap(input.joints, motions.problem.joints, {input.bodies, bodies, time});
     if (gap <= std::max(gap_before, tuning::open_gap)) return share;
@@ -131,50 +131,50 @@ void follow_coordinates(const std::vector<double>& direction, double share, std:
 void close_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandMotions& motions) {
   IslandProblem& problem = motions.problem;
-  const bool pressed = !problem.contacts.empty();
+  const bool has_contacts = !problem.contacts.empty();
   const auto closed = [](const DirectJoint& joint, std::size_t r) { return joint.gap[r]; };
   const IslandPoses poses{input.bodies, bodies, time};
-  double most = note_gaps(input.joints, poses, problem.joints);
-  bool tightens = pressed && follow_tension(problem, h);
-  for (int round = 0; round == 0 || (most > tuning::open_gap && round < tuning::most_closing_steps); ++round) {
-    if (round > 0 || (pressed && (most > tuning::open_gap || tightens))) {
+  double max = update_gaps(input.joints, poses, problem.joints);
+  bool tightens = has_contacts && follow_tension(problem, h);
+  for (int round = 0; round == 0 || (max > tuning::open_gap && round < tuning::max_closing_steps); ++round) {
+    if (round > 0 || (has_contacts && (max > tuning::open_gap || tightens))) {
       tightens = false;
       place_joints(input, time, h, bodies, problem);
       if (motions.search.matrix.joints() == nullptr) weigh_locks(input.joints, problem);
       if (!motions.search.matrix.factor(problem)) return;
-    } else if (!pressed && !is_factored(problem) && !motions.search.matrix.factor(problem)) {
+    } else if (!has_contacts && !is_factored(problem) && !motions.search.matrix.factor(problem)) {
       return;
     }
     find_closing_motion(problem, motions.search, closed);
     // A small gap that closes by short moves needs no line search: Newton's step leaves less.
     const double longest = longest_move(motions.search.direction);
-    const bool near = most <= tuning::open_gap && longest * longest <= tuning::open_gap;
-    const double share = near ? 1 : move_closer(input, time, most, bodies, motions);
+    const bool near = max <= tuning::open_gap && longest * longest <= tuning::open_gap;
+    const double share = near ? 1 : move_closer(input, time, max, bodies, motions);
     if (near) move(bodies, 1, motions.search.direction);
     if (share == 0) break;
     follow_coordinates(motions.search.direction, share, problem.joints);
-    if (pressed || round == 0) {
+    if (has_contacts || round == 0) {
       const bool gains = motions.pushes || gain_by_closing(input.joints, bodies, share / h, motions);
       if (gains) add_closing_impulses(problem, motions.search, closed, share / h);
     }
-    if (pressed) follow_tension(problem, h);
+    if (has_contacts) follow_tension(problem, h);
     if (near) break;
-    most = note_gaps(input.joints, poses, problem.joints);
+    max = update_gaps(input.joints, poses, problem.joints);
   }
-  if (!pressed) follow_tension(problem, h);
+  if (!has_contacts) follow_tension(problem, h);
 }
 
 bool settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
   const IslandPoses poses{input.bodies, bodies, input.dt};
-  const double most = note_gaps(input.joints, poses, motions.problem.joints);
-  if (most <= tuning::settled_gap) return true;
+  const double max = update_gaps(input.joints, poses, motions.problem.joints);
+  if (max <= tuning::settled_gap) return true;
   find_closing_motion(motions.problem, motions.search,
                       [](const DirectJoint& joint, std::size_t r) { return joint.law[r].locked ? joint.gap[r] : 0; });
   if (longest_move(motions.search.direction) > tuning::far_at_rest) return false;
   move(bodies, 1, motions.search.direction);
   turn_inertia(bodies);
   follow_coordinates(motions.search.direction, 1, motions.problem.joints);
-  return most <= tuning::open_gap;
+  return max <= tuning::open_gap;
 }
 
 }  // namespace atl::solver

@@ -266,7 +266,7 @@ void find_rates(const std::vector<double>& velocities, const DirectJoint& joint,
   for (std::size_t r = 0; r < joint.rows; ++r) rates[r] += joint.given[r];
 }
 
-void note_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
+void record_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
     find_rates(velocities, joint, joint.rate_before);
   }
@@ -335,7 +335,7 @@ void end_going_back(std::vector<DirectJoint>& all) {
   }
 }
 
-void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all) {
+void record_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(joints[joint.joint], r);
@@ -347,7 +347,7 @@ void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all) 
   }
 }
 
-void note_armature(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
+void record_armature_rates(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
     if (!joints[joint.joint].is_actuated()) continue;
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {

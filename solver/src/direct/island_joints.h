@@ -30,7 +30,7 @@ void weigh_locks(const Joint* joints, IslandProblem& problem);
 /// The rates of a joint's rows at `velocities`, of what doesn't respond too.
 void find_rates(const std::vector<double>& velocities, const DirectJoint& joint, DirectJoint::Rows<double>& rates);
 /// Notes these of all joints, as those before a solution.
-void note_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all);
+void record_rates(const std::vector<double>& velocities, std::vector<DirectJoint>& all);
 
 /// The laws of rows over a substep of h seconds that starts at the rates that were noted.
 void begin_laws(const Joint* joints, double h, IslandProblem& problem);
@@ -50,14 +50,14 @@ void begin_going_back(std::vector<DirectJoint>& all);
 void end_going_back(std::vector<DirectJoint>& all);
 
 /// Finds how fast bouncing coordinates come to their ends, from a solution with ranges left out.
-void note_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all);
+void record_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all);
 
 /// Locks rows that are held after a solution, so that springs and motors no longer act on them. A coordinate that
 /// bounces leaves the end of its range; `late`: with velocities that are half a substep behind positions.
 void hold_rows(const Joint* joints, bool late, IslandProblem& problem);
 
 /// Notes the rates of armatures at these velocities.
-void note_armature(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all);
+void record_armature_rates(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all);
 
 /// Takes on the force of the last impulses, of h seconds: smoothly, but where something presses on joints at once if it
 /// grows. Returns whether it is far from what bodies' inertia has of it.

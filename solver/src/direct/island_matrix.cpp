@@ -29,18 +29,18 @@ void add_square(double* block, const Vector3& row, const Vector3& column, const 
 
 }  // namespace
 
-std::size_t most_factor_blocks(std::size_t body_count, bool touch) {
+std::size_t max_factor_blocks(std::size_t body_count, bool touch) {
   return (touch ? tuning::factor_blocks_per_body : tuning::factor_blocks_per_joined_body) * body_count;
 }
 
 bool IslandMatrix::analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
-                           std::size_t most_blocks) {
+                           std::size_t max_blocks) {
   joints_.clear();
   const std::vector<std::uint8_t> sizes(body_count, 6);
-  return system_.analyse(sizes, pairs, most_blocks);
+  return system_.analyse(sizes, pairs, max_blocks);
 }
 
-bool IslandMatrix::analyse_joints(const IslandProblem& problem, std::size_t most_blocks) {
+bool IslandMatrix::analyse_joints(const IslandProblem& problem, std::size_t max_blocks) {
   if (joints_.analyse(problem)) return true;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const DirectJoint& joint : problem.joints) {
@@ -50,7 +50,7 @@ bool IslandMatrix::analyse_joints(const IslandProblem& problem, std::size_t most
       pairs.emplace_back(joint.first, joint.second);
     }
   }
-  return analyse(problem.bodies.size(), pairs, most_blocks);
+  return analyse(problem.bodies.size(), pairs, max_blocks);
 }
 
 bool IslandMatrix::factor(IslandProblem& problem) {

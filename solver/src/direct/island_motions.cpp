@@ -56,7 +56,7 @@ bool is_pushed(const IslandProblem& problem, const SolverSettings& settings) {
   const bool soft = settings.contact_hertz > 0;
   for (const DirectContact& contact : problem.contacts) {
     for (int i = 0; i < contact.law.points; ++i) {
-      if (contact.separation[i] < -tuning::least_overlap || (soft && contact.lasting.normal[i] > 0)) return true;
+      if (contact.separation[i] < -tuning::min_overlap || (soft && contact.lasting.normal[i] > 0)) return true;
     }
   }
   return false;
@@ -95,7 +95,7 @@ bool find_motions(IslandMotions& motions, const SolverSettings& settings, double
     push_contacts_apart(motions.problem, settings, dt);
   }
   const bool patient = settings.direct_only || !moves(motions.problem);
-  motions.search.most_iterations = patient ? tuning::most_iterations_if_patient : tuning::most_iterations;
+  motions.search.max_iterations = patient ? tuning::max_iterations_if_patient : tuning::max_iterations;
   if (!solve_by_newton(motions.problem, motions.search)) return false;
   if (!is_bounded(motions.problem, from_outside)) return false;
   if (relaxes) take_back_compliance(motions.problem, motions.search, dt);

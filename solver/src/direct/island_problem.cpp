@@ -7,15 +7,15 @@
 namespace atl::solver {
 
 double unbalanced(const IslandProblem& problem, const std::vector<double>& gradient) {
-  double most = 0;
+  double max = 0;
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
     const DirectBody& body = problem.bodies[i];
     const auto linear = linear_part(gradient, i);
     const auto angular = angular_part(gradient, i);
     const double off = linear.norm() / body.mass + body.radius * (body.inverse_inertia * angular).norm();
-    if (!(off <= most)) most = off;  // also where it is no number
+    if (!(off <= max)) max = off;  // also where it is no number
   }
-  return most;
+  return max;
 }
 
 bool is_bounded(const IslandProblem& problem, double from_outside) {
@@ -32,7 +32,7 @@ bool is_bounded(const IslandProblem& problem, double from_outside) {
     if (contact.second != no_body) all += bodies[contact.second].mass * moved;
   }
   return std::all_of(problem.contacts.begin(), problem.contacts.end(),
-                     [&](const DirectContact& contact) { return contact.answer.load() <= tuning::most_impulse * all; });
+                     [&](const DirectContact& contact) { return contact.answer.load() <= tuning::max_impulse * all; });
 }
 
 void velocities_of_impulses(const IslandProblem& problem, const std::vector<double>& gradient,

@@ -56,7 +56,7 @@ void capture_contacts(ContactCapture& capture, const collision::ContactManifold*
   }
 }
 
-void note_pushes(const IslandProblem& problem, bool first, float* pushed) {
+void record_pushes(const IslandProblem& problem, bool first, float* pushed) {
   for (const DirectContact& contact : problem.contacts) {
     const auto& normal = contact.lasting.normal;
     const double impulse = std::accumulate(normal.begin(), normal.begin() + contact.law.points, 0.0);

@@ -10,7 +10,7 @@ namespace atl::solver {
 void write_back_contacts(const DirectIslandInput& input, double share, const std::vector<DirectContact>& contacts);
 
 /// Adds what contacts have pushed to SolveInput::pushed; the first of a step forgets what an attempt before it noted.
-void note_pushes(const IslandProblem& problem, bool first, float* pushed);
+void record_pushes(const IslandProblem& problem, bool first, float* pushed);
 
 /// Hands on what was solved over `step` seconds, and the answer, to the audit.
 void capture_contacts(ContactCapture& capture, const collision::ContactManifold* manifolds, double step,

@@ -14,8 +14,8 @@ namespace atl::solver {
 namespace {
 
 bool bends_notably(const Vector3& spin) {
-  constexpr double least_square = tuning::least_bend_spin * tuning::least_bend_spin;
-  return spin.squaredNorm() > least_square;
+  constexpr double min_square = tuning::min_bend_spin * tuning::min_bend_spin;
+  return spin.squaredNorm() > min_square;
 }
 
 // A body of a joint, and where it would be at the substep's end if no impulse changed its velocity.
@@ -50,7 +50,7 @@ bool decays_notably(const Law& law, const DirectJoint& joint, std::size_t row, d
   return joint.mass[row] > 0 && h * law.damping > tuning::notable_decay * moved;
 }
 
-// The bend of note_bends(). A coordinate of a term bends as its joint's bodies swing, and its polynomial as it moves.
+// The bend of find_bends(). A coordinate of a term bends as its joint's bodies swing, and its polynomial as it moves.
 double bend_of_tendon(const DirectIslandInput& input, double time, double h, std::span<const MovingBody> bodies,
                       const std::vector<double>& velocities, const DirectJoint& tendon) {
   const Law& law = input.joints[tendon.joint].law[0];
@@ -103,7 +103,7 @@ void add_bend(const Joint& of, double bend, std::size_t row, RowLaw& law) {
 
 }  // namespace
 
-double note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
+double find_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
                   IslandProblem& problem) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bodies[i].next = next_pose(input.bodies, h, bodies[i], problem.bodies[i].body, linear_part(problem.free, i),
@@ -142,7 +142,7 @@ double note_bends(const DirectIslandInput& input, double time, double h, std::sp
     }
   }
   const double swing = std::sqrt(square);
-  if (swing > tuning::most_bend) {
+  if (swing > tuning::max_bend) {
     for (DirectJoint& joint : problem.joints) joint.bend = {};
   }
   return swing;
@@ -268,7 +268,7 @@ bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<c
     const Vector3 spin = angular_part(before, i);
     const double mass = problem.bodies[i].mass;
     there += 0.5 * mass * linear_part(before, i).squaredNorm() + 0.5 * spin.dot(product(bodies[i].inertia, spin)) +
-             tuning::least_energy * mass;
+             tuning::min_energy * mass;
   }
   return made > tuning::energy_tolerance * there;
 }

@@ -15,8 +15,8 @@ namespace atl::solver {
 /// By how much faster than its row says a coordinate moves while bodies turn on in a substep of h seconds that ends
 /// `time` seconds into the step: a locked one, where impulses then stop that at once, so that little is left to be
 /// closed; and one with an armature, whose rate is that of the substep's middle. Nothing where arms turn by more than
-/// tuning::most_bend. Returns by how much one does, rad.
-double note_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
+/// tuning::max_bend. Returns by how much one does, rad.
+double find_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
                   IslandProblem& problem);
 /// Locks stop what is noted, too, and armatures resist it.
 void answer_bends(const Joint* joints, IslandProblem& problem);

@@ -27,7 +27,7 @@ bool is_point_alone(const DirectJoint& joint) { return joint.point && joint.rows
 
 bool JointResponse::analyse(const IslandProblem& problem) {
   const std::vector<DirectJoint>& joints = problem.joints;
-  constexpr std::size_t most_blocks = 2;  // a joint
+  constexpr std::size_t max_blocks = 2;  // a joint
   std::vector<std::uint8_t> sizes;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   std::vector<std::vector<std::uint32_t>> at_body(problem.bodies.size());
@@ -43,11 +43,11 @@ bool JointResponse::analyse(const IslandProblem& problem) {
         pairs.emplace_back(i, other);
       }
       at_body[body].push_back(i);
-      if (couplings_.size() > most_blocks * joints.size()) return false;
+      if (couplings_.size() > max_blocks * joints.size()) return false;
     }
     sizes.push_back(static_cast<std::uint8_t>(joint.rows));
   }
-  if (!system_.analyse(sizes, pairs, most_blocks * joints.size())) return false;
+  if (!system_.analyse(sizes, pairs, max_blocks * joints.size())) return false;
   for (Coupling& coupling : couplings_) {
     coupling.block = system_.block_index(coupling.row, coupling.column);
     coupling.transposed = system_.is_earlier(coupling.row, coupling.column);

@@ -14,12 +14,12 @@ namespace {
 
 // m/s, of what a body touches against it, at most.
 double approach_speed(const BodyTable& table, const IslandMembers& members, std::uint32_t body) {
-  double most = 0;
+  double max = 0;
   for (const collision::TouchingPair& pair : members.contacts) {
     if (pair.first != body && pair.second != body) continue;
-    most = std::max(most, (table.velocity(pair.first) - table.velocity(pair.second)).norm());
+    max = std::max(max, (table.velocity(pair.first) - table.velocity(pair.second)).norm());
   }
-  return most;
+  return max;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, I
     const std::uint32_t body = members.bodies[i];
     MovingBody& moving = bodies[i];
     moving.tumbles = table.gyroscopic[body] != 0;
-    if (!joined && moving.tumbles && !(input.dt * table.angular_velocity(body).norm() <= tuning::most_tumble))
+    if (!joined && moving.tumbles && !(input.dt * table.angular_velocity(body).norm() <= tuning::max_tumble))
       return false;
     if (joined && moving.tumbles) moving.top = SplitTop(table.moments[body], table.principal_axes[body]);
     moving.now = moving.start = {table.position(body), table.orientation(body)};

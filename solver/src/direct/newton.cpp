@@ -129,7 +129,7 @@ bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
     balance_by_laws(problem, search.gradient);
     const double residual = unbalanced(problem, search.gradient);
     if (residual <= tuning::balance_tolerance) return true;
-    if (iteration == search.most_iterations || !std::isfinite(residual)) return false;
+    if (iteration == search.max_iterations || !std::isfinite(residual)) return false;
     ++search.iterations;
     const double t = descend(problem, search);
     if (!(t > 0)) return false;

@@ -64,7 +64,7 @@ void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingB
     table.angular_velocity(body) = spin;
     table.position(body) += input.dt * moves;
     table.set_orientation(body, turned(input.dt * turns, start.orientation));
-    note_motion(table, input.bounds, body, start, input.dt, input.fast.local());
+    record_motion(table, input.bounds, body, start, input.dt, input.fast.local());
   }
 }
 
@@ -76,7 +76,7 @@ bool solve_step(const DirectIslandInput& input, const std::vector<MovingBody>& b
   if (!find_motions(motions, input.settings, input.dt, 0)) return false;
   if (input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, input.dt, motions.problem);
   write_back_bodies(input, bodies, motions, before);
-  if (input.pushed != nullptr) note_pushes(motions.problem, true, input.pushed);
+  if (input.pushed != nullptr) record_pushes(motions.problem, true, input.pushed);
   write_back_contacts(input, 1.0 / input.settings.substeps, motions.problem.contacts);
   return true;
 }

@@ -28,7 +28,7 @@ Vector3 turning(const BodyTable& table, std::uint32_t body, const MovingBody& mo
 
 // True if a body turns other than by its spin alone.
 bool tumbles(const MovingBody& body, const Vector3& spin) {
-  return body.tumbles && spin.squaredNorm() > tuning::least_spin * tuning::least_spin;
+  return body.tumbles && spin.squaredNorm() > tuning::min_spin * tuning::min_spin;
 }
 
 // The velocities that forces alone would make in a substep. A body with contacts turns by its spin, along which these
@@ -100,7 +100,7 @@ bool has_loops(const IslandProblem& problem) {
 }
 
 // Records the impulses of held rows after a linear solution.
-void note_held_impulses(IslandProblem& problem) {
+void record_held_impulses(IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       joint.impulse[r] = joint.law[r].impulse(joint.rate[r] + joint.change[r]);
@@ -154,7 +154,7 @@ bool Substeps::solve() {
   for (int substep = 0; substep < substeps; ++substep) {
     const double time = h_ * (substep + 1);
     if (!find_velocities(time)) return false;
-    if (input_.pushed != nullptr) note_pushes(problem_, substep == 0, input_.pushed);
+    if (input_.pushed != nullptr) record_pushes(problem_, substep == 0, input_.pushed);
     const bool last = substep + 1 == substeps;
     if (last && input_.capture != nullptr) capture_contacts(*input_.capture, input_.manifolds, h_, problem_);
     advance();
@@ -169,7 +169,7 @@ bool Substeps::solve() {
     // Joints didn't answer to the forces that were taken back ahead of the first substep: what they held then is known
     // from those that are taken on, if no substep has come in between.
     if (substeps == 1 && !rows_.acts) add_last_impulses(problem_);
-    conserved_.restore(input_, bodies_, closed && swing_ <= tuning::most_resolved_swing, problem_);
+    conserved_.restore(input_, bodies_, closed && swing_ <= tuning::max_resolved_swing, problem_);
   }
   return true;
 }
@@ -180,7 +180,7 @@ void Substeps::begin() {
   problem_.lock_compliance = gives        ? tuning::compliance_of_loops
                              : by_bodies_ ? tuning::compliance
                                           : tuning::compliance_of_trees;
-  motions_.search.most_iterations = tuning::most_iterations_if_patient;
+  motions_.search.max_iterations = tuning::max_iterations_if_patient;
   place(0);
 }
 
@@ -192,7 +192,7 @@ void Substeps::place(double time) {
 // Takes half a substep's forces back (-1), or on (1). Springs and servos have their half of it with all others, and
 // joints answer to them together: a spring that bears a load is in balance with it at every instant.
 void Substeps::kick(int sign) {
-  if (rows_.acts) note_rates(problem_.velocity, problem_.joints);
+  if (rows_.acts) record_rates(problem_.velocity, problem_.joints);
   problem_.free = problem_.velocity;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     linear_part(problem_.free, i) += (0.5 * sign * h_) * bodies_[i].acceleration;
@@ -230,7 +230,7 @@ bool Substeps::find_velocities(double time) {
   motions_.lasting = problem_.velocity;
   free_velocities_of_substep(input_.bodies, bodies_, h_, alone_, problem_);
   if (alone_) conserved_.add_forces(problem_, bodies_);
-  if (!rows_.all_locked) note_rates(motions_.lasting, problem_.joints);
+  if (!rows_.all_locked) record_rates(motions_.lasting, problem_.joints);
   begin_substep();
   stop_at_ends(problem_.joints);
   if (alone_) {
@@ -247,7 +247,7 @@ void Substeps::begin_substep() {
 }
 
 void Substeps::foresee_bends(double time) {
-  const double swing = note_bends(input_, time, h_, bodies_, problem_);
+  const double swing = find_bends(input_, time, h_, bodies_, problem_);
   swing_ = std::max(swing_, swing);
   if (rows_.damps && swing > 0) even_out_dampers();
   answer_bends(input_.joints, problem_);
@@ -317,7 +317,7 @@ bool Substeps::find_impacts() {
   const bool found = alone_ ? solve_rows() : solve_by_newton(problem_, motions_.search);
   limit_ranges(true);
   if (!found) return false;
-  note_impacts(input_.joints, h_, problem_.joints);
+  record_impacts(input_.joints, h_, problem_.joints);
   problem_.velocity = motions_.lasting;
   forget_factor(problem_);
   return true;
@@ -333,7 +333,7 @@ bool Substeps::find_passive_velocities() {
 
 // Moves bodies by their velocities. Bodies of unequal moments tumble with constant angular momentum.
 void Substeps::advance() {
-  note_armature(input_.joints, motions_.lasting, problem_.joints);
+  record_armature_rates(input_.joints, motions_.lasting, problem_.joints);
   advance_coordinates();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     BodyPose& pose = bodies_[i].now;
@@ -389,7 +389,7 @@ bool Substeps::solve_linear() {
   if (!by_bodies_) return solve_joints(problem_, motions_.search);
   problem_.velocity = motions_.lasting;
   if (!solve_on_last_pieces(problem_, motions_.search)) return false;
-  note_held_impulses(problem_);
+  record_held_impulses(problem_);
   return true;
 }
 
@@ -430,7 +430,7 @@ void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingB
     table.set_orientation(body, bodies[i].now.orientation);
     table.velocity(body) = linear_part(problem.velocity, i);
     table.angular_velocity(body) = angular_part(problem.velocity, i);
-    note_motion(table, input.bounds, body, bodies[i].start, input.dt, input.fast.local());
+    record_motion(table, input.bounds, body, bodies[i].start, input.dt, input.fast.local());
   }
 }
 

@@ -13,28 +13,28 @@ namespace {
 // m/s: the most that one of its points closes too fast. Shifts the points' laws such that they push as they do now
 // where they stop.
 double shift_contact(DirectContact& contact, double dt) {
-  double most = 0;
+  double max = 0;
   for (int i = 0; i < contact.law.points; ++i) {
     if (!(contact.answer.pieces.points & (1 << i))) continue;
     const double may_close = std::max(contact.separation[i], 0.0) / dt;
-    most = std::max(most, -contact.law.speed(i, contact.motion) - may_close);
+    max = std::max(max, -contact.law.speed(i, contact.motion) - may_close);
     ATL_ASSERT(!(contact.law.stiffness[i] <= 0), contact.slot, i, contact.law.stiffness[i]);
     contact.law.bias[i] = may_close - contact.answer.normal[i] / contact.law.stiffness[i];
   }
-  return most;
+  return max;
 }
 
 // The same of the locks of a joint.
 double shift_joint(DirectJoint& joint) {
-  double most = 0;
+  double max = 0;
   for (std::size_t r = 0; r < joint.rows; ++r) {
     RowLaw& law = joint.law[r];
     if (!law.locked) continue;
-    most = std::max(most, std::abs(joint.rate[r] + joint.bend[r]));
+    max = std::max(max, std::abs(joint.rate[r] + joint.bend[r]));
     ATL_ASSERT(!(law.stiffness <= 0), joint.joint, r, law.stiffness);
     law.lock_rate = joint.impulse[r] / law.stiffness - joint.bend[r];
   }
-  return most;
+  return max;
 }
 
 // Impulses become those of the shifted laws, and the gradient what they change.
@@ -69,11 +69,11 @@ void go_to_end(IslandProblem& problem, BalanceSearch& search) {
 
 void take_back_compliance(IslandProblem& problem, BalanceSearch& search, double dt) {
   if (!is_factored(problem)) return;
-  for (int round = 0; round < tuning::most_penetration_rounds; ++round) {
+  for (int round = 0; round < tuning::max_penetration_rounds; ++round) {
     double sinks = 0;
     for (DirectContact& contact : problem.contacts) sinks += shift_contact(contact, dt);
     for (DirectJoint& joint : problem.joints) sinks += shift_joint(joint);
-    if (sinks < tuning::least_sinking) return;
+    if (sinks < tuning::min_sinking) return;
     answer_shifted(problem, search.gradient);
     find_direction(problem, search);
     go_to_end(problem, search);

@@ -131,8 +131,8 @@ HWY_INLINE Q tumble(SolverBodies& bodies, std::size_t i, const Q& before, const 
   const V4 start4 = load_rows([&](std::size_t k) { return bodies.start_velocity[i + k].angular; });
   const V4 ratio4 = load_rows([&](std::size_t k) { return bodies.gyroscopic[i + k].ratio; });
   const V3 w = V3{start4.x, start4.y, start4.z} + V3{w4.x, w4.y, w4.z};
-  constexpr auto least_square = static_cast<float>(tuning::least_spin * tuning::least_spin);
-  const M turns = hn::Gt(dot(w, w), splat(least_square));
+  constexpr auto min_square = static_cast<float>(tuning::min_spin * tuning::min_spin);
+  const M turns = hn::Gt(dot(w, w), splat(min_square));
   const M active = hn::And(turns, hn::Gt(ratio4.w, zero()));
   if (hn::AllFalse(D(), active)) return plain;
 

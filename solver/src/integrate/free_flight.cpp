@@ -56,12 +56,12 @@ struct RotationSteps {
   RotationSteps(const Vector3& moments, const Vector3& spin, double dt) {
     ATL_ASSERT(moments.minCoeff() > 0, moments.x(), moments.y(), moments.z());
     constexpr double ordinary = 16;
-    constexpr double most = 4096;
+    constexpr double max = 4096;
     const double ratio = moments.maxCoeff() / moments.minCoeff();
     const double angle = spin.norm() * dt * std::sqrt(std::max(1.0, ratio / ordinary));
-    twentieths = std::min(most, angle / 0.05);  // 4096 if it isn't a number
-    splits = !(angle / 0.05 < most);
-    if (splits) twentieths = most / 16;
+    twentieths = std::min(max, angle / 0.05);  // 4096 if it isn't a number
+    splits = !(angle / 0.05 < max);
+    if (splits) twentieths = max / 16;
   }
 };
 
@@ -86,8 +86,8 @@ void move_gyroscopic(BodyTable& bodies, std::uint32_t body, double dt, int subst
   // A slow one needs fewer steps than there are substeps, if no torque and no damping act in each.
   const bool alone = bodies.torque(body).isZero(0) && bodies.angular_damping[body] == 0;
   const double share = cut.splits ? 1 : std::min(1.0, cut.twentieths);
-  const int least = alone ? std::max(1, static_cast<int>(std::ceil(substeps * share))) : substeps;
-  const int steps = std::max(least, static_cast<int>(cut.twentieths));
+  const int min = alone ? std::max(1, static_cast<int>(std::ceil(substeps * share))) : substeps;
+  const int steps = std::max(min, static_cast<int>(cut.twentieths));
   const double h = dt / steps;
   Quaternion orientation = bodies.orientation(body);
   Vector3 momentum = momentum_of(bodies, body, orientation, bodies.angular_velocity(body));
@@ -152,12 +152,12 @@ SplitTop::SplitTop(const Vector3& moments, const Quaternion& principal) : princi
   ATL_ASSERT(moments.minCoeff() > 0, moments.x(), moments.y(), moments.z());
   const Vector3 inverse = moments.cwiseInverse();
   // The axis of the top is that whose moment differs most from the nearer of the others.
-  double most = -1;
+  double max = -1;
   for (int i = 0; i < 3; ++i) {
     const double a = inverse[(i + 1) % 3], b = inverse[(i + 2) % 3];
     const double apart = std::min(std::abs(inverse[i] - a), std::abs(inverse[i] - b));
-    if (!(apart > most)) continue;
-    most = apart;
+    if (!(apart > max)) continue;
+    max = apart;
     axis_ = i;
   }
   const double a = inverse[(axis_ + 1) % 3], b = inverse[(axis_ + 2) % 3];
@@ -209,7 +209,7 @@ void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravit
   } else {
     move_isotropic(bodies, body, dt, substeps);
   }
-  note_motion(bodies, bounds, body, start, dt, fast.local());
+  record_motion(bodies, bounds, body, start, dt, fast.local());
 }
 
 BodyPose pose_after(const BodyTable& bodies, std::uint32_t body, double time) {
@@ -226,7 +226,7 @@ void move_kinematic_body(BodyTable& bodies, std::uint32_t body, double dt, colli
   const BodyPose end = pose_after(bodies, body, dt);
   bodies.position(body) = end.position;
   bodies.set_orientation(body, end.orientation);
-  note_motion(bodies, bounds, body, start, dt, fast.local());
+  record_motion(bodies, bounds, body, start, dt, fast.local());
 }
 
 }  // namespace atl::solver

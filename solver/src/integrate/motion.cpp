@@ -44,12 +44,12 @@ void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum mo
 bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
                       double radius) {
   constexpr double steady = 4;
-  const double most = steady * dt * steady * dt * acceleration.squaredNorm();
-  return gained.squaredNorm() <= most && gained_spin.squaredNorm() * radius * radius <= most;
+  const double max = steady * dt * steady * dt * acceleration.squaredNorm();
+  return gained.squaredNorm() <= max && gained_spin.squaredNorm() * radius * radius <= max;
 }
 
-void note_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
-                 double dt, MovedBodies& notes) {
+void record_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
+                   double dt, MovedBodies& notes) {
   const double radius = bodies.radius[body];
   ATL_ASSERT(dt > 0, body, dt);
   ATL_ASSERT(!(radius < 0), body, radius);

@@ -49,8 +49,8 @@ SineCosine sine_cosine(double angle) {
   constexpr double quarter_pi = 0.78539816339744830962;
   // Beyond, a turn is less than the rounding of the angle; which turn it is would be up to how a machine converts
   // numbers.
-  constexpr double most = 0x1p50;
-  if (!(std::abs(angle) < most)) return {angle - angle, angle - angle + 1};
+  constexpr double max = 0x1p50;
+  if (!(std::abs(angle) < max)) return {angle - angle, angle - angle + 1};
   // Most angles are small, and asking the C library to round takes a call.
   const double multiple = std::abs(angle) <= quarter_pi ? 0.0 : std::nearbyint(angle * two_over_pi);
   const double r = ((angle - multiple * half_pi_high) - multiple * half_pi_middle) - multiple * half_pi_low;

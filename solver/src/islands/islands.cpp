@@ -167,11 +167,11 @@ Build build_of(const Islands& islands, std::size_t island) {
   if (islands.joint_count(island) > 0) return Build::Joined;
   const auto bodies = static_cast<double>(islands.body_count(island));
   const auto contacts = static_cast<double>(islands.contact_count(island));
-  const bool columns = bodies <= tuning::most_bodies && contacts <= tuning::contacts_of_columns * bodies;
+  const bool columns = bodies <= tuning::max_bodies && contacts <= tuning::contacts_of_columns * bodies;
   return columns ? Build::Columns : Build::Any;
 }
 
-void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint32_t> company,
+void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint32_t> group_keys,
                  std::vector<IslandGroup>& groups) {
   groups.clear();
   std::size_t begin = 0;
@@ -183,12 +183,12 @@ void pack_groups(const Islands& islands, bool one_each, std::span<const std::uin
   };
   for (std::size_t island = 0; island < islands.count(); ++island) {
     const std::size_t here = islands.contact_count(island) + islands.joint_count(island);
-    if (here >= large_contacts || (!company.empty() && company[island] == Islands::none)) {
+    if (here >= large_contacts || (!group_keys.empty() && group_keys[island] == Islands::none)) {
       close(island);
       groups.push_back({island, island + 1, here >= large_contacts});
       begin = island + 1;
     } else {
-      const bool parts = !company.empty() && begin < island && company[island] != company[begin];
+      const bool parts = !group_keys.empty() && begin < island && group_keys[island] != group_keys[begin];
       if (one_each || parts || contacts + here > group_contacts) close(island);
       contacts += here;
     }

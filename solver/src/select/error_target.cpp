@@ -16,7 +16,7 @@ std::size_t place_of_rung(double square) {
                                   substep_rungs.begin());
 }
 
-int rung_at(std::size_t place) { return place < substep_rungs.size() ? substep_rungs[place] : most_needed; }
+int rung_at(std::size_t place) { return place < substep_rungs.size() ? substep_rungs[place] : max_needed_substeps; }
 
 // Place of the lowest rung that no more than `beyond` lie above.
 template <typename ByRung>

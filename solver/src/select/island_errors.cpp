@@ -123,7 +123,7 @@ double softness(const ErrorInput& input, double share) {
 
 void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contacts,
                   std::span<const std::uint16_t> substeps, double target, ErrorCounts& counts) {
-  const double least = std::min(target, tuning::least_overlap);
+  const double min = std::min(target, tuning::min_overlap);
   const double by_impulse = softness(input, tuning::contact_hertz_share);
   for (const TouchingPair& pair : contacts) {
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
@@ -131,7 +131,7 @@ void add_overlaps(const ErrorInput& input, std::span<const TouchingPair> contact
     if (!(error > 0)) continue;
     const double made = made_in(substeps, pair.first, pair.second, input.asked * input.parts);
     ATL_ASSERT(made >= 1, pair.slot, made);
-    if (error <= least) {
+    if (error <= min) {
       counts.add_small(error, made);
     } else if (error > target) {
       const double explained = explained_overlap(input, pair, by_impulse / (made * made));
@@ -180,7 +180,7 @@ double overlap_of(const ErrorInput& input, std::span<const TouchingPair> contact
   std::vector<double> overlaps;
   for (const TouchingPair& pair : contacts) {
     const double error = overlap(input.manifolds[pair.slot]);
-    if (error > tuning::least_overlap) overlaps.push_back(error);
+    if (error > tuning::min_overlap) overlaps.push_back(error);
   }
   return exceeded_by_one_in_a_hundred(overlaps);
 }

@@ -99,10 +99,11 @@ class Holds {
   }
 
   // True if two joints pull a light body to and fro between two heavy ones.
-  bool fight() const {
+  bool slow_each_other() const {
     for (auto a = holds_.begin(); a != holds_.end(); ++a) {
       for (auto b = a + 1; b != holds_.end() && b->body == a->body; ++b) {
-        if (a->other != b->other && !is_below(tuning::most_left, Square(a->share * b->share.transpose()))) return true;
+        if (a->other != b->other && !is_below(tuning::max_error_left, Square(a->share * b->share.transpose())))
+          return true;
       }
     }
     return false;
@@ -143,7 +144,7 @@ class Holds {
   }
 
   void keep(std::uint32_t body, std::uint32_t other, const Rows6& share) {
-    if (!is_below(tuning::most_left, share)) holds_.push_back({body, other, share});
+    if (!is_below(tuning::max_error_left, share)) holds_.push_back({body, other, share});
   }
 
   std::vector<Hold> holds_;
@@ -157,7 +158,7 @@ bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> jo
     return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
            joints[link.joint].is_actuated() || joints[link.joint].is_tendon();
   };
-  if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).fight()) return true;
+  if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).slow_each_other()) return true;
   if (links.size() <= tuning::long_chain) return false;
   const Neighbours neighbours(links, bodies);
   return neighbours.farthest(neighbours.farthest(0).first).second > tuning::long_chain;
@@ -184,7 +185,7 @@ double longest_substep(std::span<const JointLink> links, std::span<const Joint> 
       fastest = std::max(fastest, LinearForce::of_spring(joint.law[row], 1 / response, 1).fastest());
     }
   }
-  return SpringStep::most_phase / fastest;
+  return SpringStep::max_phase / fastest;
 }
 
 bool joins_directly(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies,

@@ -5,9 +5,9 @@
 namespace atl::solver {
 namespace {
 
-bool is_fast(const BodyTable& bodies, std::uint32_t body, double least) {
+bool is_fast(const BodyTable& bodies, std::uint32_t body, double min) {
   const double spin = bodies.radius[body] * bodies.radius[body] * bodies.angular_velocity(body).squaredNorm();
-  return bodies.velocity(body).squaredNorm() + spin > least * least;
+  return bodies.velocity(body).squaredNorm() + spin > min * min;
 }
 
 }  // namespace

@@ -20,9 +20,9 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 
 // m^2, along the normal, from a dynamic body's centre of mass to the contact.
 float thickness_square(const Vector3f& normal, const Vector3f& arm) {
-  constexpr auto least = static_cast<float>(tuning::least_thickness * tuning::least_thickness);
+  constexpr auto min = static_cast<float>(tuning::min_thickness * tuning::min_thickness);
   const float along = normal.dot(arm);
-  return std::max(along * along, least * arm.squaredNorm());
+  return std::max(along * along, min * arm.squaredNorm());
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ LoadEstimate::Overload LoadEstimate::of(const LoadInput& input, std::size_t isla
     const collision::ContactManifold& manifold = input.manifolds[pair.slot];
     const Vector3f normal = row(manifold.normal);  // it points to the second
     const float slope = up_f.dot(normal);
-    if (!(std::abs(slope) >= static_cast<float>(tuning::least_slope))) continue;
+    if (!(std::abs(slope) >= static_cast<float>(tuning::min_slope))) continue;
     const bool first_moves = input.bodies.mobility[pair.first] == Mobility::Dynamic;
     const bool second_moves = input.bodies.mobility[pair.second] == Mobility::Dynamic;
     const bool second_above = slope > 0;

@@ -20,7 +20,7 @@ bool has_locks(const LoadInput& input, std::size_t island) {
 }
 
 bool may_be_direct(const LoadInput& input, std::size_t island) {
-  return input.islands.body_count(island) <= tuning::most_bodies && !has_locks(input, island);
+  return input.islands.body_count(island) <= tuning::max_bodies && !has_locks(input, island);
 }
 
 // The mode by the present loads of an island.
@@ -128,7 +128,7 @@ void SolverSelection::find_joined(const LoadInput& input, bool touched) {
       continue;
     }
     if (!touched || !may_be_direct(input, island)) continue;
-    if (is_machine(input, island) || is_pressed(input, island)) joined_.push_back(island);
+    if (is_machine(input, island) || is_pushed_on(input, island)) joined_.push_back(island);
   }
 }
 
@@ -152,23 +152,23 @@ std::span<const SolveMode> SolverSelection::choose_untouched(const LoadInput& in
 // hand and what it holds. In one system with its joints its contacts come to rest, which taking turns with them keeps
 // robots from; and a grip carries the force of its servos, which contacts know nothing of that are swept.
 bool SolverSelection::is_machine(const LoadInput& input, std::size_t island) {
-  on_system_.assign(input.islands.body_count(island), 0);
+  is_on_system_.assign(input.islands.body_count(island), 0);
   for (const JointLink& link : input.islands.joints(island, island + 1)) {
     if (!input.joint_systems->is_machine(input.joint_graph->component_of(link.joint))) continue;
     for (const std::uint32_t body : {link.first, link.second}) {
       if (input.bodies.mobility[body] != Mobility::Dynamic) continue;
-      on_system_[input.islands.rank(body) - input.islands.first_rank(island)] = 1;
+      is_on_system_[input.islands.rank(body) - input.islands.first_rank(island)] = 1;
     }
   }
-  const auto of_machines = std::count(on_system_.begin(), on_system_.end(), 1);
-  return 2 * static_cast<std::size_t>(of_machines) >= on_system_.size();
+  const auto of_machines = std::count(is_on_system_.begin(), is_on_system_.end(), 1);
+  return 2 * static_cast<std::size_t>(of_machines) >= is_on_system_.size();
 }
 
-bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
+bool SolverSelection::is_pushed_on(const LoadInput& input, std::size_t island) {
   const Islands& islands = input.islands;
   const std::uint32_t first_rank = islands.first_rank(island);
   const auto is_dynamic = [&](std::uint32_t body) { return input.bodies.mobility[body] == Mobility::Dynamic; };
-  on_system_.assign(islands.body_count(island), 0);
+  is_on_system_.assign(islands.body_count(island), 0);
   // Only anchored components count: they can't give way to a load, as limbs can.
   std::uint32_t component = JointGraph::none;
   bool needs = false;
@@ -183,12 +183,12 @@ bool SolverSelection::is_pressed(const LoadInput& input, std::size_t island) {
     }
     if (!needs) continue;
     for (const std::uint32_t body : {link.first, link.second}) {
-      if (is_dynamic(body)) on_system_[islands.rank(body) - first_rank] = 1;
+      if (is_dynamic(body)) is_on_system_[islands.rank(body) - first_rank] = 1;
     }
   }
   const auto carries = [&](std::uint32_t body, std::uint32_t other) {
     const bool light = input.bodies.inverse_mass[body] > tuning::light_ratio * input.bodies.inverse_mass[other];
-    return light && on_system_[islands.rank(body) - first_rank] != 0;
+    return light && is_on_system_[islands.rank(body) - first_rank] != 0;
   };
   const std::span<const TouchingPair> contacts = islands.contacts(island, island + 1);
   return std::any_of(contacts.begin(), contacts.end(), [&](const TouchingPair& pair) {
@@ -206,7 +206,7 @@ std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input
   start_modes(islands);
   for (std::size_t island = 0; island < islands.count(); ++island) {
     if (islands.contact_count(island) == 0) continue;
-    if (islands.body_count(island) > tuning::most_bodies) {
+    if (islands.body_count(island) > tuning::max_bodies) {
       refused_.push_back({island, "it has too many bodies"});
     } else if (has_locks(input, island)) {
       refused_.push_back({island, "motions of its bodies are locked"});
@@ -234,8 +234,8 @@ const char* SolverSelection::why(std::size_t island) const {
   }
 }
 
-void SolverSelection::note_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake,
-                                  double dt) {
+void SolverSelection::record_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake,
+                                    double dt) {
   const auto step = static_cast<float>(dt);
   for (const std::uint32_t body : failed_) {
     float& left = findings_[body].swept;

@@ -27,7 +27,7 @@ std::uint16_t rung_below(int substeps) {
 
 void SubstepControl::History::join(const History& other) {
   substeps = std::max(substeps, other.substeps);
-  most = std::max(most, other.most);
+  max = std::max(max, other.max);
   asked = std::max(asked, other.asked);
   needed = std::max(needed, other.needed);
   looked_at = std::max(looked_at, other.looked_at);
@@ -57,8 +57,8 @@ void SubstepControl::restore_history(std::uint32_t body, std::size_t bodies, con
 std::span<const SubstepControl::Island> SubstepControl::choose(const ErrorInput& input, const ErrorTarget& target,
                                                                jobs::Arena& arena) {
   history_.resize(input.bodies.size());
-  ATL_ASSERT(target.least_substeps >= 1 && target.least_substeps <= target.most_substeps, target.least_substeps,
-             target.most_substeps);
+  ATL_ASSERT(target.min_substeps >= 1 && target.min_substeps <= target.max_substeps, target.min_substeps,
+             target.max_substeps);
   substeps_.assign(input.bodies.size(), 0);
   const Islands& islands = input.islands;
   islands_.resize(islands.count());
@@ -121,13 +121,13 @@ ErrorNeed SubstepControl::overlap_of_large(const ErrorInput& input, const ErrorT
 void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, std::size_t island) {
   const std::span<const std::uint32_t> members = input.islands.bodies(island, island + 1);
   constexpr auto hold = static_cast<float>(tuning::target_hold);
-  constexpr auto longest = static_cast<float>(tuning::most_target_hold);
+  constexpr auto longest = static_cast<float>(tuning::max_target_hold);
   History now = {.hold = longest, .unchanged = longest, .lowered = true};
   for (const std::uint32_t body : members) {
     if (history_[body].substeps > 0) now.join(history_[body]);
   }
   const auto allowed = [&target](int substeps) {
-    return static_cast<std::uint16_t>(std::clamp(substeps, target.least_substeps, target.most_substeps));
+    return static_cast<std::uint16_t>(std::clamp(substeps, target.min_substeps, target.max_substeps));
   };
   if (now.substeps == 0) {
     now = {.substeps = allowed(substeps_at_first(input, target, island)), .hold = hold};
@@ -149,19 +149,19 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
   now.looked_at += static_cast<float>(input.dt);
   now.unchanged = std::min(longest, now.unchanged + static_cast<float>(input.dt));
   const bool raises = (needs.overlap.follows || needs.gap.follows || now.asked > now.substeps) && needed > now.substeps;
-  now.most = std::max(now.most, needed);
+  now.max = std::max(now.max, needed);
   if (raises) {
     // The last decrease went too far if about as many substeps are needed again: the next try comes later. A need for
     // many more has another cause.
     const bool again = now.lowered && needed <= 2 * now.substeps;
-    now = {.substeps = needed, .most = needed, .hold = again ? std::min(2 * now.hold, longest) : hold};
+    now = {.substeps = needed, .max = needed, .hold = again ? std::min(2 * now.hold, longest) : hold};
   } else if (now.looked_at > (for_residual ? longest : now.hold)) {
-    if (now.most < now.substeps) {
-      now.substeps = now.most;
+    if (now.max < now.substeps) {
+      now.substeps = now.max;
       now.lowered = true;
       now.unchanged = 0;
     }
-    now.most = needed;
+    now.max = needed;
     now.looked_at = 0;
   }
   now.asked = 0;
@@ -179,13 +179,13 @@ void SubstepControl::decide(const ErrorInput& input, const ErrorTarget& target, 
 }
 
 void SubstepControl::note(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals) {
-  note_residuals(input, target, residuals);
-  if (target.motion < ErrorTarget::none) note_motion(input, target);
+  record_residuals(input, target, residuals);
+  if (target.motion < ErrorTarget::none) record_motion(input, target);
   std::stable_sort(misses_.begin(), misses_.end(), [](const Miss& a, const Miss& b) { return a.island < b.island; });
 }
 
-void SubstepControl::note_residuals(const ErrorInput& input, const ErrorTarget& target,
-                                    std::span<const double> residuals) {
+void SubstepControl::record_residuals(const ErrorInput& input, const ErrorTarget& target,
+                                      std::span<const double> residuals) {
   const Islands& islands = input.islands;
   ATL_ASSERT(residuals.empty() || residuals.size() == islands.count(), residuals.size(), islands.count());
   for (std::size_t island = 0; island < islands.count() && !residuals.empty(); ++island) {
@@ -198,7 +198,7 @@ void SubstepControl::note_residuals(const ErrorInput& input, const ErrorTarget& 
   }
 }
 
-void SubstepControl::note_motion(const ErrorInput& input, const ErrorTarget& target) {
+void SubstepControl::record_motion(const ErrorInput& input, const ErrorTarget& target) {
   const Islands& islands = input.islands;
   const double step = input.dt * input.parts;
   for (std::size_t island = 0; island < islands.count(); ++island) {

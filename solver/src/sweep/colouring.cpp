@@ -14,15 +14,15 @@ constexpr std::size_t sort_key(const LocalContact& contact) { return contact.kin
 constexpr std::size_t sort_key_count(const LocalContact*) { return contact_kinds; }
 constexpr bool starts_kind(const LocalContact*, std::size_t) { return false; }
 
-constexpr std::size_t most_rows = 6;
+constexpr std::size_t max_rows = 6;
 // A point alone; a point with rows, from many to few; rows alone.
 constexpr std::size_t sort_key(const LocalJoint& joint) {
   const std::size_t rows = joint.rows;
-  if (joint.point) return rows == 0 ? 0 : 1 + most_rows - rows;
-  return 1 + most_rows + most_rows - rows;
+  if (joint.point) return rows == 0 ? 0 : 1 + max_rows - rows;
+  return 1 + max_rows + max_rows - rows;
 }
-constexpr std::size_t sort_key_count(const LocalJoint*) { return 2 + 2 * most_rows; }
-constexpr bool starts_kind(const LocalJoint*, std::size_t key) { return key == 1 || key == 1 + most_rows; }
+constexpr std::size_t sort_key_count(const LocalJoint*) { return 2 + 2 * max_rows; }
+constexpr bool starts_kind(const LocalJoint*, std::size_t key) { return key == 1 || key == 1 + max_rows; }
 
 constexpr std::size_t round_up(std::size_t lane) { return (lane + block_lanes - 1) / block_lanes * block_lanes; }
 

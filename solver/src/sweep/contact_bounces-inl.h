@@ -20,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
 // m/s^2, with which forces may bring the bodies together along the normal: either could be held up by something else.
-HWY_INLINE V most_pull(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane, const V3& normal) {
+HWY_INLINE V max_pull(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane, const V3& normal) {
   const auto along_normal = [&](const std::int32_t* index) {
     const V4 a = load_rows([&](std::size_t k) { return bodies.acceleration[index[k]].linear; });
     return hn::Abs(dot({a.x, a.y, a.z}, normal));
@@ -41,7 +41,7 @@ HWY_INLINE V parted_by(const SolverBodies& bodies, const ContactBlock& block, st
 }
 
 template <MovableSides movable>
-void note_approaches_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+void find_approaches_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   const V h = splat(data.constants.h);
   const V slowest = splat(-data.constants.restitution_threshold);
   for (std::size_t b = begin; b < end; ++b) {
@@ -57,7 +57,7 @@ void note_approaches_by(const ContactKernelData& data, std::size_t begin, std::s
       const ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
       refresh_any_separations<max_points>(data, b, lane, c);
       const NormalSolve solve(c, block, lane);
-      const V fall = hn::Mul(h, most_pull(data.bodies, block, lane, c.normal));
+      const V fall = hn::Mul(h, max_pull(data.bodies, block, lane, c.normal));
       V ahead = parted_by(data.bodies, block, lane, c.normal, h);
       if (data.joined != nullptr) ahead = hn::IfThenElseZero(are_free(data.joined, block, lane), ahead);
       const M bouncy = hn::Gt(load(bounce.restitution + lane), zero());
@@ -81,9 +81,9 @@ void note_approaches_by(const ContactKernelData& data, std::size_t begin, std::s
   }
 }
 
-inline void note_approaches(const ContactKernelData& data, std::size_t begin, std::size_t end) {
-  if (data.bodies.locks.empty()) return note_approaches_by<MovableSides::Both>(data, begin, end);
-  note_approaches_by<MovableSides::Locked>(data, begin, end);
+inline void find_approaches(const ContactKernelData& data, std::size_t begin, std::size_t end) {
+  if (data.bodies.locks.empty()) return find_approaches_by<MovableSides::Both>(data, begin, end);
+  find_approaches_by<MovableSides::Locked>(data, begin, end);
 }
 
 }  // namespace HWY_NAMESPACE

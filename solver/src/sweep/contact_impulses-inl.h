@@ -80,11 +80,11 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
                    load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
       if (with_restitution && block.traits.bounces) {
-        const auto told = [&](V impulse, std::size_t i) {
+        const auto impulse_of = [&](V impulse, std::size_t i) {
           const V spent = load(data.bounces[b].spent[i] + lane);
           return hn::IfThenElse(hn::Gt(spent, zero()), hn::Neg(hn::Add(impulse, spent)), impulse);
         };
-        normal = {told(normal.x, 0), told(normal.y, 1), told(normal.z, 2), told(normal.w, 3)};
+        normal = {impulse_of(normal.x, 0), impulse_of(normal.y, 1), impulse_of(normal.z, 2), impulse_of(normal.w, 3)};
       }
       if (data.planar_blocks != nullptr) normal = back_to_manifold(data.planar_blocks[b], lane, normal);
       store_rows(

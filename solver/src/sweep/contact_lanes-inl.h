@@ -204,16 +204,16 @@ struct Plane {
     const V over = hn::Div(splat(1), determinant());
     return {hn::Mul(m22, over), hn::Neg(hn::Mul(m12, over)), hn::Mul(m11, over)};
   }
-  // The inverse in the directions in which it is more than `least`, and zero in the others.
-  HWY_INLINE Plane inverse_above(V least) const {
+  // The inverse in the directions in which it is more than `min`, and zero in the others.
+  HWY_INLINE Plane inverse_above(V min) const {
     const V half = splat(0.5f);
     const V mean = hn::Mul(half, hn::Add(m11, m22));
     const V apart = hn::Mul(half, hn::Sub(m11, m22));
     const V spread = hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(m12, m12)));
     const V high = hn::Add(mean, spread);
     const V low = hn::Sub(mean, spread);
-    const M both = hn::Gt(low, least);
-    const M one = hn::AndNot(both, hn::Gt(high, least));
+    const M both = hn::Gt(low, min);
+    const M one = hn::AndNot(both, hn::Gt(high, min));
     const V one_v = splat(1);
     const V over_determinant = hn::Div(one_v, hn::IfThenElse(both, determinant(), one_v));
     const V of_one = hn::Mul(hn::Add(spread, spread), high);  // high > low here
@@ -304,10 +304,10 @@ HWY_INLINE V load_of(const ContactBlock& block, std::size_t lane) {
 // m^2: of the thinner of the two bodies that move, along the normal from its centre of mass to the contact.
 HWY_INLINE V square_of_half_thickness(const V3& normal, const V3& arm_first, const M& first_fixed, const V3& arm_second,
                                       const M& second_fixed) {
-  constexpr auto least_square = static_cast<float>(tuning::least_thickness * tuning::least_thickness);
+  constexpr auto min_square = static_cast<float>(tuning::min_thickness * tuning::min_thickness);
   const auto of = [&](const V3& arm, const M& fixed) {
     const V along = dot(normal, arm);
-    const V square = hn::Max(hn::Mul(along, along), hn::Mul(splat(least_square), dot(arm, arm)));
+    const V square = hn::Max(hn::Mul(along, along), hn::Mul(splat(min_square), dot(arm, arm)));
     return hn::IfThenElse(fixed, splat(collision::no_point), square);
   };
   return hn::Min(of(arm_first, first_fixed), of(arm_second, second_fixed));

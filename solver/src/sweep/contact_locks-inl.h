@@ -17,7 +17,7 @@ using namespace jobs::HWY_NAMESPACE;
 
 // A row whose response with locks is less than this part of that without gets no impulse. The impulse would have to be
 // so large that rounding would throw the bodies about.
-constexpr float least_answer = 1e-3f;
+constexpr float min_response = 1e-3f;
 
 // The part of both bodies' inverse mass that locks remove along each axis.
 HWY_INLINE V3 lost_inverse_mass(const SolverBodies& bodies, const ContactBlock& block, std::size_t lane,
@@ -80,7 +80,7 @@ struct PlanarPoints {
 };
 
 // A normal that leans farther out of the plane pushes nothing within it.
-constexpr float least_in_plane = 0.1f;
+constexpr float min_in_plane = 0.1f;
 
 // Contacts all of whose bodies that may move stay in one plane, and those of them that push across it.
 struct PlanarLanes {
@@ -105,8 +105,8 @@ HWY_INLINE PlanarLanes turn_into_plane(const SolverBodies& bodies, const Contact
                   hn::IfThenZeroElse(hn::Gt(axis.y, zero()), c.normal.y),
                   hn::IfThenZeroElse(hn::Gt(axis.z, zero()), c.normal.z)};
   const V length = hn::Sqrt(dot(within, within));
-  const M across = hn::And(planar, hn::Not(hn::Gt(length, splat(least_in_plane))));
-  const V scale = hn::Div(splat(1), hn::IfThenElse(hn::Gt(length, splat(least_in_plane)), length, splat(1)));
+  const M across = hn::And(planar, hn::Not(hn::Gt(length, splat(min_in_plane))));
+  const V scale = hn::Div(splat(1), hn::IfThenElse(hn::Gt(length, splat(min_in_plane)), length, splat(1)));
   const V3 normal = select(across, {axis.z, axis.x, axis.y}, scale * within);
   const V3 tangent = cross(axis, normal);
 
@@ -151,16 +151,16 @@ HWY_INLINE bool lock_contacts(const SolverBodies& bodies, ContactBlock& block, s
     return dot(lost, {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)});
   };
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
-  const V least = hn::Mul(splat(least_answer), inverse_mass);
+  const V min = hn::Mul(splat(min_response), inverse_mass);
   const V k00 = load(block.k[0] + lane);
   // A response that rounding left below zero would turn the gap of a point that isn't there into a push without bound.
-  const V left = hn::Max(hn::Sub(k00, lost_along(c.normal, c.normal)), hn::Mul(splat(0.5f), least));
+  const V left = hn::Max(hn::Sub(k00, lost_along(c.normal, c.normal)), hn::Mul(splat(0.5f), min));
   store(hn::IfThenElse(locked, left, k00), block.k[0] + lane);
 
   V* const separations[max_points] = {&separation.x, &separation.y, &separation.z, &separation.w};
   for (std::size_t i = 0; i < max_points; ++i) {
     const PointResponse response(block, lane, load(block.x[i] + lane), load(block.y[i] + lane));
-    const M held = hn::And(locked, hn::Not(hn::Gt(response.own, least)));
+    const M held = hn::And(locked, hn::Not(hn::Gt(response.own, min)));
     *separations[i] = hn::IfThenElse(held, splat(collision::no_point), *separations[i]);
     store(*separations[i], block.start_separation[i] + lane);
     store(*separations[i], block.separation[i] + lane);
@@ -171,7 +171,7 @@ HWY_INLINE bool lock_contacts(const SolverBodies& bodies, ContactBlock& block, s
   tangential.m11 = hn::Sub(tangential.m11, lost_along(c.tangent1, c.tangent1));
   tangential.m12 = hn::Sub(tangential.m12, lost_along(c.tangent1, c.tangent2));
   tangential.m22 = hn::Sub(tangential.m22, lost_along(c.tangent2, c.tangent2));
-  const Plane mass = tangential.inverse_above(least);
+  const Plane mass = tangential.inverse_above(min);
   const Plane old = Plane::load_from(block.friction_mass, lane);
   const auto pick = [&](V in_locked, V in_others) {
     return hn::IfThenElse(locked, hn::IfThenElseZero(rubs, in_locked), in_others);
@@ -200,7 +200,7 @@ HWY_INLINE void lock_rolling(const SolverBodies& bodies, const ContactBlock& blo
   };
   const M locked = hn::Or(may_not_turn(block.first), may_not_turn(block.second));
   const Plane spins{load(block.k[3] + lane), load(block.k[4] + lane), load(block.k[5] + lane)};
-  const Plane mass = spins.inverse_above(hn::Mul(splat(least_answer), hn::Add(spins.m11, spins.m22)));
+  const Plane mass = spins.inverse_above(hn::Mul(splat(min_response), hn::Add(spins.m11, spins.m22)));
   const Plane old = Plane::load_from(surface.rolling_mass, lane);
   const auto pick = [&](V in_locked, V in_others) {
     return hn::IfThenElse(locked, hn::IfThenElseZero(rolls_hard, in_locked), in_others);

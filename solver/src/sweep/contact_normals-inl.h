@@ -53,10 +53,10 @@ struct What {
 
 // The largest change of relative speed so far. Each lane on its own: the most of all is no sum and knows no order.
 struct Residual {
-  V most;
-  HWY_INLINE Residual() : most(zero()) {}
+  V max;
+  HWY_INLINE Residual() : max(zero()) {}
   // NaN counts as nothing: instruction sets differ in which of two numbers is the larger if one is NaN.
-  HWY_INLINE void add(V change) { most = hn::IfThenElse(hn::Gt(hn::Abs(change), most), hn::Abs(change), most); }
+  HWY_INLINE void add(V change) { max = hn::IfThenElse(hn::Gt(hn::Abs(change), max), hn::Abs(change), max); }
 };
 
 // The update of a point in a sweep: its impulse changes by offset - mass * speed, or to zero.
@@ -229,7 +229,7 @@ HWY_INLINE void solve_normals(const ContactKernelData& data, ContactBlock& block
     c.second.v = select(lands, landed.second.v, c.second.v);
     c.second.w = select(lands, landed.second.w, c.second.w);
   }
-  residual.most = hn::IfThenElse(lands, of_landed.most, residual.most);
+  residual.max = hn::IfThenElse(lands, of_landed.max, residual.max);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -91,7 +91,7 @@ HWY_INLINE void prepare_masses(ContactBlock& block, std::size_t lane, const Cont
 HWY_INLINE bool any(const M& mask) { return !hn::AllFalse(D(), mask); }
 
 // Records the features that the block has, so that kernels leave out the others.
-HWY_INLINE void note_traits(ContactTraits& traits, const ManifoldLanes& m) {
+HWY_INLINE void record_traits(ContactTraits& traits, const ManifoldLanes& m) {
   const V separation[max_points] = {m.separation.x, m.separation.y, m.separation.z, m.separation.w};
   for (std::size_t i = traits.points; i < max_points; ++i) {
     if (any(hn::Lt(separation[i], splat(collision::no_point)))) traits.points = static_cast<std::uint8_t>(i + 1);
@@ -182,9 +182,9 @@ HWY_INLINE void put_on_line_of_centres(const SolverBodies& bodies, const Contact
 
 // Bodies that are apart will have closed by the time they push: each is touched at its own surface, not half way.
 HWY_INLINE void put_on_surfaces(const ManifoldLanes& m, ContactLanes<>& c) {
-  const V least = hn::Min(hn::Min(m.separation.x, m.separation.y), hn::Min(m.separation.z, m.separation.w));
-  const M apart = hn::And(hn::Gt(least, zero()), hn::Lt(least, splat(collision::no_point)));
-  const V3 half_gap = hn::IfThenElseZero(apart, hn::Mul(splat(0.5f), least)) * c.normal;
+  const V min = hn::Min(hn::Min(m.separation.x, m.separation.y), hn::Min(m.separation.z, m.separation.w));
+  const M apart = hn::And(hn::Gt(min, zero()), hn::Lt(min, splat(collision::no_point)));
+  const V3 half_gap = hn::IfThenElseZero(apart, hn::Mul(splat(0.5f), min)) * c.normal;
   c.anchor_first = c.anchor_first - half_gap;
   c.anchor_second = c.anchor_second + half_gap;
 }
@@ -200,9 +200,9 @@ HWY_INLINE V3 turned_arm(const V3& turn, const V3& arm) {
 // An arm that a body has taken along for half of the step, from its pivot and its rim. The lowest point of a round body
 // is not moved by its spin, but the turn of its axis moves it along the rim.
 HWY_INLINE V3 arm_half_way(const V3& half, const V3& pivot, const V3& rim, const V3& axis, const V3& normal) {
-  constexpr auto least_lean = static_cast<float>(tuning::least_lean);
+  constexpr auto min_lean = static_cast<float>(tuning::min_lean);
   const V along = dot(axis, normal);
-  const V lean = hn::Max(hn::Sub(splat(1), hn::Mul(along, along)), splat(least_lean));
+  const V lean = hn::Max(hn::Sub(splat(1), hn::Mul(along, along)), splat(min_lean));
   const V3 without_spin = half - dot(half, axis) * axis;
   const V3 tilt = without_spin + hn::Div(hn::Mul(dot(without_spin, normal), along), lean) * axis;
   const M revolved = hn::Gt(dot(axis, axis), zero());
@@ -220,7 +220,7 @@ HWY_INLINE V4 load_half_turn(const SolverBodies& bodies, const std::int32_t* ind
 // rad, about the normal: how far a turn takes the line along which a surface of revolution touches.
 HWY_INLINE V line_turn(const V4& turn, const V3& axis, const V3& normal) {
   const V3 flat = axis - dot(axis, normal) * normal;
-  const V square = hn::Max(dot(flat, flat), splat(static_cast<float>(tuning::least_lean)));
+  const V square = hn::Max(dot(flat, flat), splat(static_cast<float>(tuning::min_lean)));
   const V3 moved = cross({turn.x, turn.y, turn.z}, axis);
   return hn::IfThenElseZero(hn::Gt(turn.w, zero()), hn::Div(dot(normal, cross(flat, moved)), square));
 }
@@ -335,21 +335,21 @@ HWY_INLINE void store_impulses(ContactBlock& block, std::size_t lane, const Cont
 // and falls as fast, by the root of gravity times size: of what is larger than usual, the push follows that.
 HWY_INLINE void prepare_push(const ContactKernelData& data, ContactBlock& block, std::size_t lane,
                              const ContactLanes<>& c) {
-  constexpr auto most = static_cast<float>(1 / tuning::usual_drop);
+  constexpr auto max = static_cast<float>(1 / tuning::reference_gravity);
   const auto square_of = [](const V3& arm, V inverse_mass) {
     return hn::IfThenElse(hn::Gt(inverse_mass, zero()), dot(arm, arm), splat(collision::no_point));
   };
   const V square =
       hn::Min(square_of(c.anchor_first, c.inverse_mass_first), square_of(c.anchor_second, c.inverse_mass_second));
   const V push = splat(data.constants.push_speed);
-  const float largest = 1 / (most * data.constants.gravity);
+  const float largest = 1 / (max * data.constants.gravity);
   const M known = hn::Lt(square, splat(collision::no_point));
   if (hn::AllFalse(D(), hn::And(known, hn::Gt(square, splat(largest * largest))))) {
     store(push, block.push_speed + lane);
     return;
   }
   const V size = hn::IfThenElseZero(known, hn::Sqrt(square));
-  const V growth = hn::Max(hn::Mul(splat(most * data.constants.gravity), size), splat(1));
+  const V growth = hn::Max(hn::Mul(splat(max * data.constants.gravity), size), splat(1));
   store(hn::Mul(push, hn::Sqrt(growth)), block.push_speed + lane);
 }
 
@@ -377,17 +377,17 @@ HWY_INLINE void prepare_softness(const ContactKernelData& data, ContactBlock& bl
   store(soft(&Softness::impulse_scale), block.impulse_scale + lane);
 
   const Stiffening& stiffening = data.constants.stiffening;
-  if (!(stiffening.most > 1)) return;
+  if (!(stiffening.max > 1)) return;
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
   const V estimate = hn::Mul(hn::Mul(load_of(block, lane), inverse_mass), splat(stiffening.penetration_by_load));
   constexpr auto part = static_cast<float>(tuning::stiffening_penetration * tuning::stiffening_penetration);
-  const V most_square = hn::Mul(
+  const V max_square = hn::Mul(
       splat(part), square_of_half_thickness(c.normal, c.anchor_first, first_fixed, c.anchor_second, second_fixed));
-  M over = hn::AndNot(fixed, hn::Gt(hn::Mul(estimate, estimate), most_square));
+  M over = hn::AndNot(fixed, hn::Gt(hn::Mul(estimate, estimate), max_square));
   if (HWY_LIKELY(!any(over))) return;
   if (data.joined != nullptr) over = hn::And(over, are_free(data.joined, block, lane));
-  const V times = hn::Div(estimate, hn::Sqrt(hn::IfThenElse(over, most_square, splat(1))));
-  const V response = hn::Mul(splat(stiffening.response), hn::Min(times, splat(stiffening.most)));
+  const V times = hn::Div(estimate, hn::Sqrt(hn::IfThenElse(over, max_square, splat(1))));
+  const V response = hn::Mul(splat(stiffening.response), hn::Min(times, splat(stiffening.max)));
   const V leak = hn::Div(splat(1), hn::Add(splat(1), response));
   store(hn::IfThenElse(over, leak, load(block.impulse_scale + lane)), block.impulse_scale + lane);
 }
@@ -427,7 +427,7 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
     keep_in_plane(block, lane, c, rubs, in_plane.planar);
   }
   if (surfaces) prepare_surfaces(data, block, data.surface_blocks[b], lane, c, rolling);
-  note_traits(traits, m);
+  record_traits(traits, m);
 }
 
 inline void prepare(const ContactKernelData& data, std::size_t begin, std::size_t end) {

@@ -194,7 +194,7 @@ HWY_NOINLINE void sweep_alike(const ContactKernelData& data, const Sweep& sweep,
       store_contact_bodies(c, data, block, lane);
     }
   }
-  of_all.add(residual.most);
+  of_all.add(residual.max);
 }
 
 template <typename how, std::size_t points>
@@ -243,7 +243,7 @@ float special_sweep(const ContactKernelData& data, const Sweep& sweep, std::size
   } else {
     sweep_alike<how, What<max_points, MovableSides::Locked>>(data, sweep, begin, end, residual);
   }
-  return hn::GetLane(hn::MaxOfLanes(D(), residual.most));
+  return hn::GetLane(hn::MaxOfLanes(D(), residual.max));
 }
 
 // A step of soft contacts with relaxation is made of these.

@@ -69,13 +69,13 @@ void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& i
 }
 
 std::vector<double> approach_speeds(const SolveInput& input, const IslandGroup& group, const GroupBodies& numbers) {
-  if (input.bodies.least_moment.empty()) return {};
+  if (input.bodies.min_moment.empty()) return {};
   std::vector<double> speeds(numbers.count(), 0.0);
   for (const collision::TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
     const double speed = (input.bodies.velocity(pair.first) - input.bodies.velocity(pair.second)).norm();
     for (const std::uint32_t body : {pair.first, pair.second}) {
-      double& most = speeds[static_cast<std::size_t>(numbers.local(input, group, body))];
-      most = std::max(most, speed);
+      double& max = speeds[static_cast<std::size_t>(numbers.local(input, group, body))];
+      max = std::max(max, speed);
     }
   }
   return speeds;

@@ -100,15 +100,15 @@ void GroupContacts::find_rims(const SolveInput& input, const SolverBodies& bodie
 }
 
 float GroupContacts::deepest() const {
-  std::array<float, block_lanes> least = {};  // which compilers make lanes of
+  std::array<float, block_lanes> min = {};  // which compilers make lanes of
   for (const ContactBlock& block : std::span(blocks_).first(block_count())) {
     for (std::size_t i = 0; i < block.traits.points; ++i) {
       for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-        least[lane] = std::min(least[lane], block.start_separation[i][lane]);
+        min[lane] = std::min(min[lane], block.start_separation[i][lane]);
       }
     }
   }
-  return *std::min_element(least.begin(), least.end());
+  return *std::min_element(min.begin(), min.end());
 }
 
 void GroupContacts::begin_pushes() {
@@ -120,15 +120,15 @@ void GroupContacts::begin_pushes() {
 }
 
 // Blocks whose contacts have all pushed are passed over: those that rest have from the first substep on.
-void GroupContacts::note_pushes(std::size_t begin, std::size_t end) {
+void GroupContacts::record_pushes(std::size_t begin, std::size_t end) {
   static_assert(block_lanes == 8, "a bit a lane");
   for (std::size_t b = begin; b < end; ++b) {
     if (pushes_[b] == 0xff) continue;
     const ContactBlock& block = blocks_[b];
     for (unsigned lane = 0; lane < block_lanes; ++lane) {
-      float most = 0;
-      for (std::size_t i = 0; i < block.traits.points; ++i) most = std::max(most, block.normal_impulse[i][lane]);
-      pushes_[b] |= (most > 0 ? 1u : 0u) << lane;
+      float max = 0;
+      for (std::size_t i = 0; i < block.traits.points; ++i) max = std::max(max, block.normal_impulse[i][lane]);
+      pushes_[b] |= (max > 0 ? 1u : 0u) << lane;
     }
   }
 }
@@ -171,12 +171,12 @@ void GroupContacts::clear_impulses(const GroupReport& report) {
 
 void GroupContacts::clear_split_impulses() { std::fill_n(split_blocks_.begin(), block_count(), SplitBlock{}); }
 
-bool note_surfaces(const SolveInput& input, const IslandGroup& group) {
+bool update_surface_contacts(const SolveInput& input, const IslandGroup& group) {
   if (!with_surfaces || input.surface_contacts == nullptr) return false;
   bool any = input.settings.everything;
   for (const TouchingPair& pair : input.islands.contacts(group.begin, group.end)) {
-    any |= note_surfaces_of(pair, input.bodies, input.manifolds[pair.slot], 0.5 * input.dt, input.added_slip(pair.slot),
-                            input.surface_contacts[pair.slot]);
+    any |= update_surface_contact(pair, input.bodies, input.manifolds[pair.slot], 0.5 * input.dt,
+                                  input.added_slip(pair.slot), input.surface_contacts[pair.slot]);
     any |= input.rises != nullptr && input.rises[pair.slot] != 0;
   }
   return any;

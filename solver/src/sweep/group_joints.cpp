@@ -254,7 +254,7 @@ double GroupJoints::position_now(const Joint& joint, std::size_t r, std::size_t 
 }
 
 // A spring's impulse goes by the rate before the forces of the substep, too.
-void GroupJoints::note_rates(const JointStep& step, std::size_t begin, std::size_t end) {
+void GroupJoints::record_rates(const JointStep& step, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     JointBlock& block = blocks_[b];
     for (std::size_t r = 0; r < block.rows; ++r) {
@@ -272,7 +272,7 @@ void GroupJoints::note_rates(const JointStep& step, std::size_t begin, std::size
   }
 }
 
-bool GroupJoints::note_impacts(const JointStep& step, std::size_t begin, std::size_t end) {
+bool GroupJoints::record_impacts(const JointStep& step, std::size_t begin, std::size_t end) {
   ATL_ASSERT(row_rates_.size() == rows_.size() * block_lanes, row_rates_.size(), rows_.size());
   bool any = false;
   for (std::size_t b = begin; b < end; ++b) {

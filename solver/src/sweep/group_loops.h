@@ -18,8 +18,8 @@ class LargestOf {
  public:
   void add(float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
-    std::uint32_t most = bits_.load(std::memory_order_relaxed);
-    while (bits > most && !bits_.compare_exchange_weak(most, bits, std::memory_order_relaxed)) {
+    std::uint32_t max = bits_.load(std::memory_order_relaxed);
+    while (bits > max && !bits_.compare_exchange_weak(max, bits, std::memory_order_relaxed)) {
     }
   }
   float value() const { return std::bit_cast<float>(bits_.load(std::memory_order_relaxed)); }

@@ -32,17 +32,17 @@ class GroupPass {
   void refresh_joint_rows(bool moved);
   void prepare_systems();
   void bounce();
-  void note_speeds();
+  void record_speeds();
   void integrate_velocities(bool carries);
   void warm_start(int number);
   void solve_velocities(int number, bool carries);
   void solve_systems(int number);
   void split_off_corrections(int number);
-  void note_pushes(bool ends);
+  void record_pushes(bool ends);
   void integrate_positions();
   void relax(int number);
   void bound_joints(int number, double speed);
-  void note_joint_impacts();
+  void record_joint_impacts();
   void bounce_joints();
   void finish_contacts();
 
@@ -74,19 +74,19 @@ void GroupPass<Executor>::substep(int number) {
   const bool last = number + 1 == setup_.settings.substeps;
   if (report_.restitution) bounce();
   clock_.lap(SolverPhase::Restitution);
-  note_speeds();
+  record_speeds();
   integrate_velocities(carries);
   clock_.lap(SolverPhase::Integrate);
   warm_start(number);
   clock_.lap(SolverPhase::WarmStart);
   solve_velocities(number, carries);
-  bound_joints(number, tuning::most_closing_speed);
-  note_pushes(false);
+  bound_joints(number, tuning::max_closing_speed);
+  record_pushes(false);
   clock_.lap(SolverPhase::Solve);
   integrate_positions();
   clock_.lap(SolverPhase::Integrate);
   relax(number);
-  note_pushes(true);
+  record_pushes(true);
   clock_.lap(SolverPhase::Relax);
   if (last && setup_.input.capture != nullptr) capture_answers(setup_.input, parts_, report_, setup_.body_ids);
   if (joint_impacts_) bounce_joints();
@@ -155,7 +155,7 @@ void GroupPass<Executor>::refresh_joint_rows(bool moved) {
 
 template <typename Executor>
 void GroupPass<Executor>::prepare_systems() {
-  parts_.joined_motion.note_forces(setup_.body_ids, setup_.input.bodies, setup_.input.gravity);
+  parts_.joined_motion.record_forces(setup_.body_ids, setup_.input.bodies, setup_.input.gravity);
   loops_.each_system([&](DirectJoints& system) {
     system.locate([&](std::uint32_t body) { return parts_.numbers.local(setup_.input, setup_.group, body); });
     system.begin_step(setup_.direct_input);
@@ -166,16 +166,16 @@ void GroupPass<Executor>::prepare_systems() {
 template <typename Executor>
 void GroupPass<Executor>::bounce() {
   loops_.each_contact_block(
-      [&](std::size_t begin, std::size_t end) { setup_.kernels.note_approaches(setup_.contact_data, begin, end); });
+      [&](std::size_t begin, std::size_t end) { setup_.kernels.find_approaches(setup_.contact_data, begin, end); });
   parts_.impacts.solve(setup_.contact_data, setup_.friction);
 }
 
 // Records rates before the forces of a substep, since springs go by the present speeds.
 template <typename Executor>
-void GroupPass<Executor>::note_speeds() {
+void GroupPass<Executor>::record_speeds() {
   if (parts_.joints.has_rows()) {
     loops_.each_joint_row_block(
-        [&](std::size_t begin, std::size_t end) { parts_.joints.note_rates(setup_.joint_step, begin, end); });
+        [&](std::size_t begin, std::size_t end) { parts_.joints.record_rates(setup_.joint_step, begin, end); });
   }
   if (setup_.sweeps_tendons) parts_.tendons.begin_substep(setup_.joint_step);
 }
@@ -209,7 +209,7 @@ void GroupPass<Executor>::warm_start(int number) {
     }
   }
   loops_.each_system([&](DirectJoints& system) { system.begin_substep(setup_.direct_input); });
-  if (setup_.sweeps_joints && parts_.joints.may_bounce()) note_joint_impacts();
+  if (setup_.sweeps_joints && parts_.joints.may_bounce()) record_joint_impacts();
 }
 
 template <typename Executor>
@@ -243,10 +243,10 @@ void GroupPass<Executor>::split_off_corrections(int number) {
 
 // Both before and after they are relaxed, which ends the substep: what stops in it may need no push in the other.
 template <typename Executor>
-void GroupPass<Executor>::note_pushes(bool ends) {
+void GroupPass<Executor>::record_pushes(bool ends) {
   if (setup_.input.pushed == nullptr) return;
   loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
-    parts_.contacts.note_pushes(begin, end);
+    parts_.contacts.record_pushes(begin, end);
     if (ends) parts_.contacts.add_impulses(begin, end);
   });
 }
@@ -283,10 +283,10 @@ void GroupPass<Executor>::bound_joints(int number, double speed) {
 }
 
 template <typename Executor>
-void GroupPass<Executor>::note_joint_impacts() {
+void GroupPass<Executor>::record_joint_impacts() {
   std::atomic<bool> any = false;
   loops_.each_joint_row_block([&](std::size_t begin, std::size_t end) {
-    if (parts_.joints.note_impacts(setup_.joint_step, begin, end)) any.store(true, std::memory_order_relaxed);
+    if (parts_.joints.record_impacts(setup_.joint_step, begin, end)) any.store(true, std::memory_order_relaxed);
   });
   joint_impacts_ = any.load(std::memory_order_relaxed);
 }

@@ -46,7 +46,7 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     }
     table.set_orientation(body, orientation.normalized());
     if (is_joined && joined_motion.is_direct(i)) continue;  // joints have a last word
-    note_motion(table, input.bounds, body, start, input.dt, notes);
+    record_motion(table, input.bounds, body, start, input.dt, notes);
   }
 }
 

@@ -92,7 +92,7 @@ void GroupSolver::collect_joints(const SolveInput& input, const IslandGroup& gro
 // Selects kernels by the features that the group's contacts, joints and bodies have in this step.
 void GroupSolver::select_kernels(const SolveInput& input, const IslandGroup& group, GroupReport& report) {
   const bool everything = input.settings.everything;
-  report.surfaces = note_surfaces(input, group);
+  report.surfaces = update_surface_contacts(input, group);
   report.friction = parts_.contacts.friction() || report.surfaces || everything;
   report.restitution = with_restitution && (parts_.contacts.restitution() || everything);
   report.colours = parts_.contacts.colours().size();
@@ -117,7 +117,7 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
   const std::uint32_t first_dynamic = parts_.numbers.first_dynamic();
   const bool any_contact = !parts_.contacts.empty();
   bool any_turns = false, any_rolls = false;
-  const auto note_turns = [&](std::span<const std::uint32_t> bodies) {
+  const auto record_turns = [&](std::span<const std::uint32_t> bodies) {
     for (const std::uint32_t body : bodies) {
       const bool turned = turns_in_step(input.bodies, body, input.dt);
       any_turns |= turned;
@@ -125,8 +125,8 @@ void GroupSolver::gather_bodies(const SolveInput& input, const IslandGroup& grou
     }
   };
   if (any_contact) {
-    note_turns(ids);
-    note_turns(kinematic);
+    record_turns(ids);
+    record_turns(kinematic);
   }
   SolverBodies& rows = parts_.bodies;
   rows.reset(first_dynamic + ids.size(), {.gyroscopic = report.gyroscopic_bodies > 0 || settings.everything,

@@ -37,10 +37,10 @@ void apply(const PulledBodies& pulled, double impulse, SolverBodies& bodies) {
   }
 }
 
-// m/s or rad/s: at which what is off its place is to close, no faster than tuning::most_closed in a substep.
+// m/s or rad/s: at which what is off its place is to close, no faster than tuning::max_closing in a substep.
 double closing_rate(const SubstepConstants& constants, double off) {
-  const double most = tuning::most_closed * constants.inverse_h;
-  return std::clamp(-constants.joint.bias_rate * off, -most, most);
+  const double max = tuning::max_closing * constants.inverse_h;
+  return std::clamp(-constants.joint.bias_rate * off, -max, max);
 }
 
 // The length (m) by which a tendon is beyond its range, or off its locked length.
@@ -123,7 +123,7 @@ void GroupTendons::move(const JointStep& step) {
 
 float GroupTendons::sweep(const JointStep& step, SolverBodies& bodies, Push push) {
   const SubstepConstants& constants = step.constants;
-  double most = 0;
+  double max = 0;
   for (Tendon& tendon : tendons_) {
     if (!(tendon.response > 0)) continue;
     const Law& law = law_of(step, tendon);
@@ -152,9 +152,9 @@ float GroupTendons::sweep(const JointStep& step, SolverBodies& bodies, Push push
       tendon.impulse += impulse;
     }
     apply(tendon.pulled, impulse, bodies);
-    most = std::max(most, std::abs(tendon.response * impulse));
+    max = std::max(max, std::abs(tendon.response * impulse));
   }
-  return static_cast<float>(most);
+  return static_cast<float>(max);
 }
 
 void GroupTendons::store(const JointStep& step) const {

@@ -130,7 +130,7 @@ void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, Fr
       if (point.hits) speed = std::max(speed, -point.closing);
     }
   });
-  for (int i = 0; i < tuning::most_impact_sweeps; ++i) {
+  for (int i = 0; i < tuning::max_impact_sweeps; ++i) {
     double change = 0;
     each([&](const Acting& acting) {
       for (ImpactContact::Point& point : acting.contact.points) change = std::max(change, acting.push(point));

@@ -99,7 +99,7 @@ void Impacts::solve(const ContactKernelData& data, Friction friction) {
   bodies_.clear();
   contacts_.clear();
   find_first(data);
-  for (int round = 0; round < tuning::most_impact_rounds && !contacts_.empty(); ++round) {
+  for (int round = 0; round < tuning::max_impact_rounds && !contacts_.empty(); ++round) {
     gather_sets();
     for (std::size_t begin = 0, end = 0; begin < contacts_.size(); begin = end) {
       const std::uint32_t set = contacts_[begin].set;
@@ -215,7 +215,7 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
   // Points bounce if they meet in this substep, faster than the threshold.
   const double h = data.constants.h;
   const double pull = normal.dot(second.acceleration - first.acceleration);
-  const double most_pull = std::abs(normal.dot(first.acceleration)) + std::abs(normal.dot(second.acceleration));
+  const double max_pull = std::abs(normal.dot(first.acceleration)) + std::abs(normal.dot(second.acceleration));
   std::array<double, max_points> gap = {};
   bool bounces = false;
   contact.time = h;
@@ -225,7 +225,7 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
     point.y = block.y[i][lane];
     point.closing = contact.parting_speed(point, first, second);
     gap[i] = bounce.separation[i][lane] + contact.shift_at(point, first, second);
-    point.hits = point.closing < 0 && gap[i] + h * (point.closing - h * most_pull) < 0;
+    point.hits = point.closing < 0 && gap[i] + h * (point.closing - h * max_pull) < 0;
     if (!point.hits) continue;
     const double time = arrival(point.closing, gap[i], pull, h);
     if (point.closing + time * pull >= -data.constants.restitution_threshold) continue;

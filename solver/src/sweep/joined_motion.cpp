@@ -43,8 +43,8 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
   for (const JointLink& link : joints) number_[graph.component_of(link.joint)] = none;
 }
 
-void JoinedMotion::note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies,
-                               const Vector3& gravity) {
+void JoinedMotion::record_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies,
+                                 const Vector3& gravity) {
   ATL_ASSERT(body_ids.size() == component_.size(), body_ids.size(), component_.size());
   for (Component& component : components_) {
     component.mass = 0;

@@ -48,7 +48,7 @@ void JointInertia::follow(const SolveInput& input, std::span<const std::uint32_t
     ATL_ASSERT(follower.place < bodies.size(), follower.place, bodies.size());
     const std::uint32_t body = bodies[follower.place];
     const Vector3 spin = get3(rows.velocity[local].angular);
-    if (!(spin_of(rows, local).squaredNorm() > tuning::least_spin * tuning::least_spin)) continue;
+    if (!(spin_of(rows, local).squaredNorm() > tuning::min_spin * tuning::min_spin)) continue;
     const Quaternion turn = rotation_of(rows.displacement[local]) * input.bodies.orientation(body);
     const Matrix3 rotation = turn.normalized().toRotationMatrix();
     Matrix3 inertia = symmetric_product(product(rotation, input.bodies.inertia[body]), rotation);

@@ -49,7 +49,7 @@ HWY_INLINE void keep(M mask, const RowLanes& with, RowLanes& row) {
 
 // True if enough of a row's response is left for it to exceed rounding.
 HWY_INLINE M enough(V left, V response) {
-  return hn::Gt(left, hn::Mul(splat(static_cast<float>(tuning::least_held)), response));
+  return hn::Gt(left, hn::Mul(splat(static_cast<float>(tuning::min_response_share)), response));
 }
 
 // The mass of the point is that of where it was a substep ago: rows are nearly orthogonal to it then.
@@ -190,15 +190,15 @@ HWY_INLINE void set_law(const SubstepConstants& constants, const JointBlock& blo
   const auto set = [lane](V number, float* numbers) { store(number, numbers + lane); };
 
   // A motor without a bound would overpower the end of a range, so its speed is limited to stop there by itself.
-  const V most = load(of.motor_impulse + lane);
+  const V max = load(of.motor_impulse + lane);
   const V speed = hn::Mul(load(of.share + lane), load(of.motor_speed + lane));
   const V within = hn::Min(hn::Max(speed, hn::Neg(hn::Mul(room_below, inverse_h))), hn::Mul(room_above, inverse_h));
-  const M unbounded = hn::Ge(most, splat(unlimited_speed));
+  const M unbounded = hn::Ge(max, splat(unlimited_speed));
   set(splat(1), to.spring_scale);
   set(splat(1), to.motor_part);
   set(load(to.next_motor_speed + lane), to.motor_speed);
   set(as_speed(hn::IfThenElse(unbounded, within, speed)), to.next_motor_speed);
-  const V change = hn::Mul(most, row.response);
+  const V change = hn::Mul(max, row.response);
   set(as_speed(change), to.motor_change);
   const V rubs = hn::Mul(load(of.friction_impulse + lane), row.response);
   set(as_speed(rubs), to.friction_change);
@@ -212,7 +212,7 @@ HWY_INLINE void set_law(const SubstepConstants& constants, const JointBlock& blo
   set(one_where(hn::Or(locked, below)), to.soft_lower);
   set(one_where(hn::Or(locked, hn::Lt(room_above, zero()))), to.soft_upper);
   const V out = hn::Min(hn::Mul(bias_rate, hn::Neg(hn::Min(room_below, room_above))), splat(constants.push_speed));
-  const V closed = hn::Mul(splat(static_cast<float>(tuning::most_closed)), inverse_h);
+  const V closed = hn::Mul(splat(static_cast<float>(tuning::max_closing)), inverse_h);
   const V closing = clamp_to(hn::Mul(bias_rate, row.gap), closed);
   const V target = hn::IfThenElse(locked, hn::Neg(closing), hn::IfThenElse(below, out, hn::Neg(out)));
   set(leak, to.soft_scale);
@@ -238,7 +238,7 @@ HWY_INLINE void hold_rows(const JointBlock& block, const JointLanes& c, const Fr
   const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
   const auto locked = [=](std::size_t r) { return hn::Gt(load(of[r].locked + lane), zero()); };
   // A free coordinate well within its range has no impulse in this substep, or a little of it.
-  const V idle = splat(static_cast<float>(tuning::most_closed));
+  const V idle = splat(static_cast<float>(tuning::max_closing));
   M stirs[max_joint_rows];
   for (std::size_t r = 0; r < block.rows; ++r) {
     const V value = load(of[r].value + lane);

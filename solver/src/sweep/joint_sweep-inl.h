@@ -96,11 +96,11 @@ HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, bool moved,
   };
   // Friction holds the rate at zero, or takes off all it has of what the motor, if it is, makes of the rest.
   const auto rubbed = [&](V rate, const float* part, const float* change, const float* friction) {
-    const V most = load(friction + lane);
-    const M rubs = hn::Gt(most, zero());
+    const V max = load(friction + lane);
+    const M rubs = hn::Gt(max, zero());
     const V free_of_it = driven(rate, part, change);
     if (hn::AllFalse(D(), rubs)) return free_of_it;
-    const V forwards = driven(hn::Sub(rate, most), part, change), backwards = driven(hn::Add(rate, most), part, change);
+    const V forwards = driven(hn::Sub(rate, max), part, change), backwards = driven(hn::Add(rate, max), part, change);
     return hn::IfThenElse(rubs, hn::Min(hn::Max(forwards, zero()), backwards), free_of_it);
   };
   const float* shift = moved ? row.spring_shift : row.next_spring_shift;
@@ -143,14 +143,14 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   if (sweep.measures) residual.add(hn::IfThenElse(active, change, zero()));
 }
 
-// The speed that closes an offset, but no more than tuning::most_closed in a substep.
+// The speed that closes an offset, but no more than tuning::max_closing in a substep.
 HWY_INLINE V3 closing_speed(V bias_rate, const V3& offset, float inverse_h) {
   const V3 closing = bias_rate * offset;
-  const V most = splat(static_cast<float>(tuning::most_closed) * inverse_h);
+  const V max = splat(static_cast<float>(tuning::max_closing) * inverse_h);
   const V square = dot(closing, closing);
-  const M fast = hn::Gt(square, hn::Mul(most, most));
+  const M fast = hn::Gt(square, hn::Mul(max, max));
   if (hn::AllFalse(D(), fast)) return closing;
-  return select(fast, hn::Div(most, hn::Sqrt(square)) * closing, closing);
+  return select(fast, hn::Div(max, hn::Sqrt(square)) * closing, closing);
 }
 
 template <Push push>
@@ -206,7 +206,7 @@ float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, s
       store_joint_bodies(c, data, block, lane);
     }
   }
-  return sweep.measures ? hn::GetLane(hn::MaxOfLanes(D(), residual.most)) : 0;
+  return sweep.measures ? hn::GetLane(hn::MaxOfLanes(D(), residual.max)) : 0;
 }
 
 template <Push push>

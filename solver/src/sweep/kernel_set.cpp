@@ -30,7 +30,7 @@ const Kernels& kernels() {
                                 &prepare,
                                 &warm_start,
                                 &sweep,
-                                with_restitution ? &note_approaches : nullptr,
+                                with_restitution ? &find_approaches : nullptr,
                                 &store_impulses,
                                 &integrate_velocities,
                                 &clear_corrections,

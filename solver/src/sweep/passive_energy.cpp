@@ -21,21 +21,21 @@ bool turns_blindly(const SolveInput& input, std::uint32_t body) {
   const BodyTable& bodies = input.bodies;
   const double dt = input.dt;
   if (!bodies.gyroscopic[body]) return false;
-  const double most = bodies.moments[body].maxCoeff(), least = bodies.moments[body].minCoeff();
-  ATL_ASSERT(least > 0 && least <= most, body, least, most);
+  const double max = bodies.moments[body].maxCoeff(), min = bodies.moments[body].minCoeff();
+  ATL_ASSERT(min > 0 && min <= max, body, min, max);
   const double spin = bodies.angular_velocity(body).norm();
   const double fall = dt * linear_acceleration(bodies, body, input.gravity).norm();
-  const double struck = (bodies.velocity(body).norm() + fall) / std::sqrt(most * bodies.inverse_mass[body]);
-  return dt * (spin + struck) * std::sqrt(most / least) > tuning::blind_turn;
+  const double struck = (bodies.velocity(body).norm() + fall) / std::sqrt(max * bodies.inverse_mass[body]);
+  return dt * (spin + struck) * std::sqrt(max / min) > tuning::blind_turn;
 }
 
 // m: the inner radius of the smallest body. To go through contacts, which are all over memory, costs 8% of a step.
-double least_size(const SolveInput& input, const IslandGroup& group) {
-  double least = std::numeric_limits<double>::infinity();
+double min_size(const SolveInput& input, const IslandGroup& group) {
+  double min = std::numeric_limits<double>::infinity();
   for (const std::uint32_t body : input.islands.bodies(group.begin, group.end)) {
-    least = std::min(least, input.bounds.margin_limit[body]);
+    min = std::min(min, input.bounds.margin_limit[body]);
   }
-  return least / collision::approach_share;
+  return min / collision::approach_share;
 }
 
 // What Baumgarte's pushes give is what was asked for.
@@ -131,7 +131,7 @@ IslandJoints look_at(const SolveInput& input, std::size_t island) {
   IslandJoints joints;
   for (const JointLink& link : input.islands.joints(island, island + 1)) {
     const Joint& joint = input.joints[link.joint];
-    joints.given += most_given(joint, input.dt);
+    joints.given += max_energy_given(joint, input.dt);
     joints.stores |= stores_energy(joint);
     joints.only_hold &= !gives_back(joint);
     joints.swept |= !input.solves_directly(input.joint_graph->component_of(link.joint));
@@ -144,7 +144,7 @@ IslandJoints look_at(const SolveInput& input, std::size_t island) {
 void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, float deepest) {
   islands_.clear();
   watched_.clear();
-  const bool any_deep = deepest < 0 && deepest < -tuning::deep_overlap * least_size(input, group);
+  const bool any_deep = deepest < 0 && deepest < -tuning::deep_overlap * min_size(input, group);
   for (std::size_t island = group.begin; island < group.end; ++island) {
     const std::size_t first = watched_.size();
     const bool joined = input.islands.joint_count(island) > 0;
@@ -169,7 +169,7 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, flo
     islands_.push_back({.island = island,
                         .overlaps = overlaps,
                         .stores = joints.stores,
-                        .most = energy_of(input, island, stored) + more + joints.given,
+                        .max = energy_of(input, island, stored) + more + joints.given,
                         .height = overlaps ? height_of(input, bodies, 0) : 0,
                         .moving = moving,
                         .springs = stored.potential,
@@ -189,7 +189,7 @@ void PassiveEnergy::bound(const SolveInput& input) const {
         of.overlaps ? std::max(0.0, height_of(input, input.islands.bodies(of.island, of.island + 1), 0) - of.height)
                     : 0;
     const double gained =
-        energy_of(input, of.island, stored) - of.most - tuning::exchange_tolerance * passed_on - lifted;
+        energy_of(input, of.island, stored) - of.max - tuning::exchange_tolerance * passed_on - lifted;
     if (!(gained > 0)) continue;
     const Momentum momentum = is_alone(input, of.island) ? Momentum::Keep : Momentum::Take;
     slow_down(input.bodies, watched, momentum, gained, stored.rotors);

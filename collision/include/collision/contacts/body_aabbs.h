@@ -87,7 +87,7 @@ class BodyAabbs {
 
   Update look_at(std::uint32_t collider, const Aabb* current, const BodyMotions& motions) const;
   double swept_margin(std::uint32_t body, const BodyMotions& motions) const;
-  void note_swept(std::uint32_t body, const BodyMotions& motions);
+  void add_swept(std::uint32_t body, const BodyMotions& motions);
   void shrink_swept(const BodyMotions& motions, Broadphase& broadphase);
 
   // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put

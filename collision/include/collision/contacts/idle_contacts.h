@@ -19,17 +19,17 @@ enum class ContactState : std::uint8_t { Free, Active, Idle };
 /// somebody asks: until then it takes notes of what became idle, and whether any contact came or went.
 class IdleContacts {
  public:
-  void reserve(std::size_t slots) { is_noted_.reserve(slots); }
+  void reserve(std::size_t slots) { is_new_.reserve(slots); }
   /// One slot more than before.
-  void add_slot() { is_noted_.push_back(0); }
+  void add_slot() { is_new_.push_back(0); }
   /// A contact became idle.
   void note(std::uint32_t slot) {
-    if (is_noted_[slot]) return;
-    is_noted_[slot] = 1;
-    noted_.push_back(slot);
+    if (is_new_[slot]) return;
+    is_new_[slot] = 1;
+    new_.push_back(slot);
   }
   /// A contact came or went, idle or not.
-  void note_change() { all_stale_ = true; }
+  void mark_all_stale() { all_stale_ = true; }
 
   /// All slots in use, in order. The cost is linear in their number if any came or went since the last call, and that
   /// of sorting in the number that became idle. Valid until the next change.
@@ -37,7 +37,7 @@ class IdleContacts {
                                              std::span<const ContactState> states);
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(entries_, noted_, is_noted_, all_); }
+  auto arrays() const { return std::tie(entries_, new_, is_new_, all_); }
 
  private:
   struct Entry {
@@ -48,10 +48,10 @@ class IdleContacts {
 
   void update(std::span<const Contact> contacts, std::span<const ContactState> states);
 
-  jobs::CompactArray<Entry> entries_;          // in order, as of the last call of with_active()
-  jobs::CompactArray<std::uint32_t> noted_;    // slots that became idle since
-  jobs::CompactArray<std::uint8_t> is_noted_;  // by slot
-  jobs::CompactArray<std::uint32_t> all_;      // in order, as of that call
+  jobs::CompactArray<Entry> entries_;        // in order, as of the last call of with_active()
+  jobs::CompactArray<std::uint32_t> new_;    // slots that became idle since
+  jobs::CompactArray<std::uint8_t> is_new_;  // by slot
+  jobs::CompactArray<std::uint32_t> all_;    // in order, as of that call
   bool all_stale_ = false;
 };
 

@@ -38,7 +38,7 @@ class InnerEdges {
     std::uint32_t slot;
     Vector3 normal = Vector3::UnitZ();  // from the ground
     Vector3 plane = Vector3::UnitZ();   // normal of the face there, or the same
-    double least_lean = 0;              // sine of the angle from which the normal leans
+    double min_lean = 0;                // sine of the angle from which the normal leans
     double offset = 0;                  // m, of what is in that plane, along its normal
   };
 

@@ -20,15 +20,15 @@ struct FastBody {
   std::uint32_t body;
   std::uint32_t assembly;  ///< of bodies that joints connect, or alone
   Pose start;
-  Vector3 shift;           ///< m, of the centre of mass
-  double turn;             ///< m: no point of it got farther by turning
-  double bulge;            ///< m: nor farther off the straight line from where it was to where it is
-  bool stops;              ///< a shape on its path stops it
-  bool always_swept;       ///< by its user's setting
-  bool pressed = false;    ///< it touches a surface, which its core may get to by moving little
-  double aside_limit;      ///< m: it may end so far from where the step took it; below 0, not at all
-  bool left_aabb = false;  ///< it left its fat AABBs
-  bool queried = false;    ///< the broadphase is asked for shapes near it
+  Vector3 shift;            ///< m, of the centre of mass
+  double turn;              ///< m: no point of it got farther by turning
+  double bulge;             ///< m: nor farther off the straight line from where it was to where it is
+  bool stops;               ///< a shape on its path stops it
+  bool always_swept;        ///< by its user's setting
+  bool on_surface = false;  ///< it touches a surface, which its core may get to by moving little
+  double aside_limit;       ///< m: it may end so far from where the step took it; below 0, not at all
+  bool left_aabb = false;   ///< it left its fat AABBs
+  bool queried = false;     ///< the broadphase is asked for shapes near it
 };
 
 /// The step after which fast bodies are followed: where all bodies are now, and how the fast ones got there.
@@ -75,7 +75,7 @@ inline constexpr double core_share = 0.5;
 /// True if any motion of a fast body, however small, must be swept against another shape. Other bodies may press its
 /// core through a surface that it touches. Solids need no such care: contacts push a shape out of a solid again.
 inline bool presses(const FastBody& fast, bool touching, ShapeKind other) {
-  return fast.pressed && touching && is_surface(other);
+  return fast.on_surface && touching && is_surface(other);
 }
 
 }  // namespace atl::collision

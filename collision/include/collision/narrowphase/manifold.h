@@ -49,14 +49,14 @@ struct Manifold {
   /// Number of the deepest point, the first of equals.
   int deepest() const {
     const auto separation = [this](int i) { return points[static_cast<std::size_t>(i)].separation; };
-    int least = 0;
+    int min = 0;
     for (int i = 1; i < count; ++i) {
-      if (separation(i) < separation(least)) least = i;
+      if (separation(i) < separation(min)) min = i;
     }
-    return least;
+    return min;
   }
   /// m, of the deepest point; infinite where there are none.
-  double least_separation() const {
+  double min_separation() const {
     return count > 0 ? points[static_cast<std::size_t>(deepest())].separation : std::numeric_limits<double>::infinity();
   }
 };

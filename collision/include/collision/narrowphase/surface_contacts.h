@@ -30,14 +30,14 @@ struct SurfaceManifolds {
 /// the way that the surface gains along it from there to the end of the step, and has lost by then since its start.
 /// Plain triangles that rise against a ball by up to a quarter of its way count as such a surface, too.
 ///
-/// With a `most_gap` (m) the gap of two that don't touch is found as well, up to so much: by the ball and the box
+/// With a `max_gap` (m) the gap of two that don't touch is found as well, up to so much: by the ball and the box
 /// around the solid.
 void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid_pose, double margin,
-                     SurfaceManifolds& result, const Vector3& shift = Vector3::Zero(), double most_gap = 0);
+                     SurfaceManifolds& result, const Vector3& shift = Vector3::Zero(), double max_gap = 0);
 
-/// The distance (m) of a ball from the triangles of a surface, up to `most` (m); 0 for any other shape. `centre` is in
+/// The distance (m) of a ball from the triangles of a surface, up to `max` (m); 0 for any other shape. `centre` is in
 /// the frame of the surface.
-double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, double most);
+double gap_of_ball(const Vector3& centre, double radius, const Shape& surface, double max);
 
 /// True if a surface's triangles or cells approximate a smooth surface.
 bool is_smooth(const Shape& surface);

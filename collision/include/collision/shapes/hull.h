@@ -49,7 +49,7 @@ struct Hull {
   static constexpr std::size_t lanes = 4;
   std::vector<double> plane_columns;  ///< the same of the planes: x, y and z of their normals, and offsets
   /// m: it reaches at least so far from the origin along every direction; minus infinity where the origin is outside.
-  double least_reach = 0;
+  double min_reach = 0;
 
   MassProperties mass;
   double bounding_radius = 0;       ///< m, about the origin
@@ -63,7 +63,7 @@ struct Hull {
   std::shared_ptr<const Hull> centred;
 
   std::size_t face_count() const { return planes.size(); }
-  void find_columns();  ///< makes columns and least_reach of the rest
+  void find_columns();  ///< makes columns and min_reach of the rest
   void prepare();       ///< makes these and centred of the rest
 
   /// The vertex farthest along a direction, the first of equals, and how far that is, as dot() has it.

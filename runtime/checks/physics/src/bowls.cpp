@@ -48,7 +48,7 @@ Field bowl_field(double cell) {
 }
 
 struct Energy {
-  double left, most;  // over that at the start
+  double left, max;  // over that at the start
 };
 
 // Runs a ball for a while, from 0.5 rad up the bowl and so far (m) off it, let go or pushed around it.
@@ -69,9 +69,9 @@ Energy energy_in_bowl(const Resolution& at, const Shape& bowl, const Vector3& po
     return kinetic_energy(world, ball, inertia) + mass * g * (world.pose(ball).position.z() - ball_radius);
   };
   const double start = energy();
-  double most = start;
-  run(world, at, seconds, [&](double) { most = std::max(most, energy()); });
-  return {energy() / start, most / start};
+  double max = start;
+  run(world, at, seconds, [&](double) { max = std::max(max, energy()); });
+  return {energy() / start, max / start};
 }
 
 double energy_left(const Resolution& at, const Shape& bowl, const Vector3& position, double friction, double around,
@@ -107,7 +107,7 @@ void add_bowls(std::vector<PhysicsCase>& cases) {
              [=](const Resolution& at) {
                // Facets are within the sphere by up to this, along and across.
                const double sag = 2 * radius * (1 - std::cos(pi / 4 / rings));
-               return energy_in_bowl(at, bowl_mesh(rings, 4 * rings, 0), Vector3::Zero(), 0, 0, 15, sag).most;
+               return energy_in_bowl(at, bowl_mesh(rings, 4 * rings, 0), Vector3::Zero(), 0, 0, 15, sag).max;
              },
          .known_failure = rings < 80 ? "" : "a step leads over two facets, as if the surface bent evenly"});
   }

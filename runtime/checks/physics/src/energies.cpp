@@ -75,12 +75,12 @@ double energy_off(const Resolution& at, double gravity, const Build& build) {
   Closed closed(at, gravity);
   build(closed);
   const double start = closed.energy();
-  double off = 0, most = closed.kinetic();
+  double off = 0, max = closed.kinetic();
   run(closed.world, at, 100, [&](double) {
     off = std::max(off, std::abs(closed.energy() - start));
-    most = std::max(most, closed.kinetic());
+    max = std::max(max, closed.kinetic());
   });
-  return off / most;
+  return off / max;
 }
 
 const Vector3 origin(0, 0, 0), x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();

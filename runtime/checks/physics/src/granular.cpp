@@ -234,16 +234,16 @@ Silo silo(const Resolution& at, int count) {
 double janssen(const Resolution& at) {
   std::vector<Silo> fills;
   for (const int count : {200, 400, 800, 1600}) fills.push_back(silo(at, count));
-  const auto worst = [&](double most) {
+  const auto worst = [&](double max) {
     double off = 0;
     for (const Silo& fill : fills) {
-      off = std::max(off, std::abs(fill.load / most - (1 - std::exp(-fill.weight / most))));
+      off = std::max(off, std::abs(fill.load / max - (1 - std::exp(-fill.weight / max))));
     }
     return off;
   };
   double best = 1;
-  for (double most = 0.5 * fills.back().load; most < 2 * fills.back().load; most *= 1.005) {
-    best = std::min(best, worst(most));
+  for (double max = 0.5 * fills.back().load; max < 2 * fills.back().load; max *= 1.005) {
+    best = std::min(best, worst(max));
   }
   return best;
 }

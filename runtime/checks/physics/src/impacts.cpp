@@ -35,13 +35,13 @@ double cannon(const Resolution& at, double ratio) {
   const BodyId top = world.add_body(
       {.shape = Sphere{0.25}, .position = {0, 0, 1 + fall + 0.001 + 0.25}, .mass = 1, .material = material});
   const double v0 = std::sqrt(2 * g * fall);
-  double most = 0;
+  double max = 0;
   // The launch speed follows from speed and height later on, by conservation of energy.
   run(world, at, 0.6, [&](double) {
     const double v = world.velocity(top).z();
-    if (v > 0) most = std::max(most, std::sqrt(v * v + 2 * g * (world.pose(top).position.z() - (1.25 + 0.001))));
+    if (v > 0) max = std::max(max, std::sqrt(v * v + 2 * g * (world.pose(top).position.z() - (1.25 + 0.001))));
   });
-  return most / v0;
+  return max / v0;
 }
 
 // 1000 balls of 0.2 m that fly about without gravity in a box of 10 m with elastic walls.

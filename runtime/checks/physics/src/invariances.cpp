@@ -27,14 +27,14 @@ double pile_in_frame(const Resolution& at, double speed) {
          .velocity = frame}));
   }
   run(world, at, 8);
-  double most = 0;
+  double max = 0;
   for (const BodyId id : bodies) {
     if (world.is_quarantined(id)) return 1e3;
     const Vector3 place = world.pose(id).position - 8 * frame;
     if (place.head<2>().norm() > 5 || place.z() < -1) return 1e3;
-    most = std::max(most, (world.velocity(id) - frame).norm());
+    max = std::max(max, (world.velocity(id) - frame).norm());
   }
-  return most;
+  return max;
 }
 
 // The same, after 4 s, for a stack that is dropped by 1 cm onto a plate that moves at `speed`.
@@ -47,13 +47,13 @@ double stack_on_flatbed(const Resolution& at, double speed) {
     bodies.push_back(world.add_body({.shape = Box{}, .position = {0, 0, 0.51 + 1.01 * i}, .velocity = frame}));
   }
   run(world, at, 4);
-  double most = 0;
+  double max = 0;
   for (const BodyId id : bodies) {
     const Vector3 place = world.pose(id).position - 4 * frame;
     if (place.head<2>().norm() > 0.1 || place.z() < 0.4) return 1e3;
-    most = std::max(most, (world.velocity(id) - frame).norm());
+    max = std::max(max, (world.velocity(id) - frame).norm());
   }
-  return most;
+  return max;
 }
 
 // The most overlap of a pile of boxes in parts of their size; time and gravity as for 1 m if `scaled`.
@@ -66,14 +66,14 @@ double overlap_by_scale(const Resolution& at, double size, bool scaled) {
     bodies.push_back(
         world.add_body({.shape = Box{Vector3::Constant(0.5 * size)}, .position = {0, 0, size * (0.5 + 1.2 * i)}}));
   }
-  double most = 0;
+  double max = 0;
   run(world, at, scaled ? 6 : 6 * std::sqrt(size), [&](double) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const double below = i == 0 ? -0.5 * size : world.pose(bodies[i - 1]).position.z();
-      most = std::max(most, size - (world.pose(bodies[i]).position.z() - below));
+      max = std::max(max, size - (world.pose(bodies[i]).position.z() - below));
     }
   });
-  return most / size;
+  return max / size;
 }
 
 }  // namespace

@@ -185,11 +185,11 @@ double satellite(const Resolution& at) {
                               spin.cross(mount), spin + 60 * axle);
   add_hinge(world, bus.body, rotor.body, mount, axle);
   const Vector3 before = angular_momentum(world, {bus, rotor});
-  double most = 0;
+  double max = 0;
   run(world, at, 100, [&](double) {
-    most = std::max(most, (angular_momentum(world, {bus, rotor}) - before).norm() / before.norm());
+    max = std::max(max, (angular_momentum(world, {bus, rotor}) - before).norm() / before.norm());
   });
-  return most;
+  return max;
 }
 
 // rad/s over torque / damping: how fast a rod turns against a damper that outweighs its inertia, pushed at its centre
@@ -234,7 +234,7 @@ double spent_servo(const Resolution& at) {
 }
 
 // The speed that is told of what creeps back against a damper of so many 1/s, over that with which it does.
-double told_speed(const Resolution& at, double rate) {
+double reported_speed_share(const Resolution& at, double rate) {
   World world = mechanism_world(at, 0);
   const double stiffness = rate, start = 0.5;  // of 1 kg: it creeps back within a second
   const Part body = add_part(world, 1, {1, 1, 1}, {});
@@ -311,13 +311,13 @@ void add_pendulums(std::vector<PhysicsCase>& cases) {
                    .scale = SpentServo::right(),
                    .measure = spent_servo});
   for (const double rate : {500.0, 5000.0}) {
-    cases.push_back({.name = "told-speed-" + std::to_string(static_cast<int>(rate)),
+    cases.push_back({.name = "reported-speed-" + std::to_string(static_cast<int>(rate)),
                      .what = "what creeps back against a damper of " + std::to_string(static_cast<int>(rate)) +
                              " 1/s: the speed that is told over that of its motion",
                      .unit = "",
                      .right = 1,
                      .source = "damped oscillation",
-                     .measure = [=](const Resolution& at) { return told_speed(at, rate); }});
+                     .measure = [=](const Resolution& at) { return reported_speed_share(at, rate); }});
   }
 }
 

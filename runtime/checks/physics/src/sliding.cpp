@@ -35,9 +35,9 @@ double yaw_of_balls(const Resolution& at) {
   add_ground(world, material);
   const BodyId body =
       world.add_body({.shape = three_balls(), .position = {0, 0, 0.2}, .velocity = {5, 0, 0}, .material = material});
-  double most = 0;
-  run(world, at, 1.5, [&](double) { most = std::max(most, std::abs(world.angular_velocity(body).z())); });
-  return most;
+  double max = 0;
+  run(world, at, 1.5, [&](double) { max = std::max(max, std::abs(world.angular_velocity(body).z())); });
+  return max;
 }
 
 }  // namespace

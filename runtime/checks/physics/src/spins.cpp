@@ -25,9 +25,9 @@ double held_spin(const Resolution& at) {
     return Vector3(world_inertia(world, body, mass.inertia) * world.angular_velocity(body));
   };
   const Vector3 before = momentum();
-  double most = 0;
-  run(world, at, 20, [&](double) { most = std::max(most, (momentum() - before).norm() / before.norm()); });
-  return most;
+  double max = 0;
+  run(world, at, 20, [&](double) { max = std::max(max, (momentum() - before).norm() / before.norm()); });
+  return max;
 }
 
 // The energy that a top on a ball joint ends with after 10 s, by what it began with.
@@ -82,9 +82,9 @@ double two_rods(const Resolution& at, JointSolver solver) {
                    mb * (world.pose(b).position - centre).cross(world.velocity(b)));
   };
   const Vector3 before = momentum();
-  double most = 0;
-  run(world, at, 8, [&](double) { most = std::max(most, (momentum() - before).norm() / before.norm()); });
-  return most;
+  double max = 0;
+  run(world, at, 8, [&](double) { max = std::max(max, (momentum() - before).norm() / before.norm()); });
+  return max;
 }
 
 }  // namespace

@@ -27,20 +27,20 @@ struct Swinging {
 // m, in the last of ten periods.
 double amplitude(const Resolution& at, JointSolver solver, double hertz) {
   Swinging swinging(at, solver, hertz);
-  double most = 0;
+  double max = 0;
   run(swinging.world, at, 10 / hertz, [&](double time) {
-    if (time > 9 / hertz) most = std::max(most, std::abs(swinging.x()));
+    if (time > 9 / hertz) max = std::max(max, std::abs(swinging.x()));
   });
-  return most;
+  return max;
 }
 
 // m, the farthest off a cosine in ten periods.
 double phase_error(const Resolution& at, JointSolver solver, double hertz) {
   Swinging swinging(at, solver, hertz);
-  double most = 0;
+  double max = 0;
   run(swinging.world, at, 10 / hertz,
-      [&](double time) { most = std::max(most, std::abs(swinging.x() - std::cos(2 * pi * hertz * time))); });
-  return most;
+      [&](double time) { max = std::max(max, std::abs(swinging.x() - std::cos(2 * pi * hertz * time))); });
+  return max;
 }
 
 // A rod of 1 m on a hinge at its end, in its plane.

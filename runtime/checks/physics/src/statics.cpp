@@ -95,9 +95,9 @@ double turned_world(const Resolution& at) {
     run(world, at, 2);
     for (const BodyId id : ids) ends[turned].push_back(frame.conjugate() * world.pose(id).position);
   }
-  double most = 0;
-  for (std::size_t i = 0; i < 3; ++i) most = std::max(most, (ends[0][i] - ends[1][i]).norm());
-  return most;
+  double max = 0;
+  for (std::size_t i = 0; i < 3; ++i) max = std::max(max, (ends[0][i] - ends[1][i]).norm());
+  return max;
 }
 
 }  // namespace

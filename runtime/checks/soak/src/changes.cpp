@@ -10,7 +10,7 @@
 namespace atl::soak {
 namespace {
 
-constexpr std::size_t most_ropes = 8;
+constexpr std::size_t max_ropes = 8;
 constexpr double rope_reach = 1.5;                                 // m, between what a rope may tie together
 constexpr std::int64_t rope_stays = 200;                           // steps at most
 constexpr std::int64_t settings_stay = 150, functions_stay = 400;  // steps
@@ -205,7 +205,7 @@ void Changes::tie(std::int64_t step, SoakTally& tally) {
     }
   }
   std::erase_if(ropes_, [&](const Rope& rope) { return rope.until <= step || !world.contains(rope.joint); });
-  if (ropes_.size() >= most_ropes) return;
+  if (ropes_.size() >= max_ropes) return;
   const std::optional<BodyId> id = population_.draw_body();
   if (!id) return;
   const Vector3 place = world.centre_of_mass(*id);

@@ -5,7 +5,7 @@
 namespace atl::soak {
 namespace {
 
-constexpr int most_steps = 6;
+constexpr int max_steps = 6;
 
 std::uint64_t hash_after(World& world, int steps) {
   for (int i = 0; i < steps; ++i) world.step(step_length);
@@ -31,7 +31,7 @@ void disturb(World& world, Random& random) {
 
 std::int64_t Rollback::check(Random& random, SoakTally& tally) {
   World& world = twin_.first();
-  const int steps = 1 + static_cast<int>(pick(random, most_steps));
+  const int steps = 1 + static_cast<int>(pick(random, max_steps));
   world.save(snapshot_);
   const std::uint64_t before = world.state_hash();
   const std::uint64_t after = hash_after(world, steps);

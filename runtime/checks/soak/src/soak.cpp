@@ -49,7 +49,7 @@ class Soak::Impl {
     changes_.make(number, tally_);
     const StepReport report = step_both(number);
     tally_.steps = number;
-    recordings_->note_steps(1);
+    recordings_->count_steps(1);
     look(report);
     try {
       check(number);
@@ -84,7 +84,7 @@ class Soak::Impl {
     if (report.quarantined > 0) {
       const std::vector<Quarantined> out(world.quarantined().begin(), world.quarantined().end());
       tally_.quarantined += static_cast<std::int64_t>(out.size());
-      for (const Quarantined& body : out) note_lost(body.id, body.why);
+      for (const Quarantined& body : out) record_lost(body.id, body.why);
       for (const Quarantined& body : out) population_.remove_with(body.id, tally_.steps, tally_);
     }
     std::vector<BodyId> fallen;
@@ -95,12 +95,12 @@ class Soak::Impl {
       }
     }
     tally_.fell_through += static_cast<std::int64_t>(fallen.size());
-    for (const BodyId id : fallen) note_lost(id, "fell through the ground");
+    for (const BodyId id : fallen) record_lost(id, "fell through the ground");
     for (const BodyId id : fallen) population_.remove_with(id, tally_.steps, tally_);
   }
 
-  void note_lost(BodyId id, const char* why) {
-    if (tally_.lost.size() == most_listed) return;
+  void record_lost(BodyId id, const char* why) {
+    if (tally_.lost.size() == max_listed_bodies) return;
     LostBody lost = {.step = tally_.steps,
                      .id = id,
                      .thing = population_.name_of(id),
@@ -116,7 +116,7 @@ class Soak::Impl {
       ++tally_.hash_checks;
     }
     if (number % query_every == 0) check_queries(twin_, random_, tally_);
-    if (number % roll_back_every == 0) recordings_->note_steps(rollback_.check(random_, tally_));
+    if (number % roll_back_every == 0) recordings_->count_steps(rollback_.check(random_, tally_));
     if (number % fresh_every == 0) {
       rollback_.check_fresh([&](World& world) { set_functions(world, changes_.asks_functions()); }, tally_);
     }

@@ -45,7 +45,7 @@ class Recordings {
   void keep(LostBody& lost);
   /// Keeps the recording, too; returns "NAME, step N".
   std::string keep();
-  void note_steps(std::int64_t count) { steps_ += count; }  ///< that the first world made
+  void count_steps(std::int64_t count) { steps_ += count; }  ///< that the first world made
 
  private:
   void begin();

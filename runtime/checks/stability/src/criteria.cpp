@@ -57,12 +57,12 @@ std::vector<MotionReport> motions(const History& run) {
 double energy(const MotionReport& motion) { return motion.kinetic + motion.potential; }
 
 /// The largest of `part` of the change of energy, relative to the start.
-double most_energy(const History& run, double (*part)(double)) {
+double max_energy(const History& run, double (*part)(double)) {
   const std::vector<MotionReport> reports = motions(run);
   const double start = energy(reports.front());
-  double most = 0;
-  for (const MotionReport& report : reports) most = std::max(most, part(energy(report) - start));
-  return most / std::abs(start);
+  double max = 0;
+  for (const MotionReport& report : reports) max = std::max(max, part(energy(report) - start));
+  return max / std::abs(start);
 }
 
 template <class OfStates>
@@ -159,12 +159,12 @@ Criterion rise(double limit) {
 
 Criterion energy_gain(double limit) {
   return {"energy_gain", "", limit,
-          [](const History& run) { return most_energy(run, [](double change) { return change; }); }};
+          [](const History& run) { return max_energy(run, [](double change) { return change; }); }};
 }
 
 Criterion energy_change(double limit) {
   return {"energy_change", "", limit,
-          [](const History& run) { return most_energy(run, [](double change) { return std::abs(change); }); }};
+          [](const History& run) { return max_energy(run, [](double change) { return std::abs(change); }); }};
 }
 
 Criterion angular_momentum_change(double limit) {

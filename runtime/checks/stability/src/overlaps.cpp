@@ -26,15 +26,15 @@ Criterion parting_speed() {
 
 Criterion kinetic_energy(double limit) {
   return {"kinetic_energy", "J", limit, [](const History& run) {
-            double most = 0;
+            double max = 0;
             for (const auto& states : run.states) {
               std::vector<MovingBody> moving;
               for (std::size_t i = 0; i < states.size(); ++i) {
                 moving.push_back({.mass = body_mass(run.scene.bodies[i].def), .state = states[i]});
               }
-              most = std::max(most, measure_motion(moving, Vector3::Zero()).kinetic);
+              max = std::max(max, measure_motion(moving, Vector3::Zero()).kinetic);
             }
-            return most;
+            return max;
           }};
 }
 

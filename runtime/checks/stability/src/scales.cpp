@@ -89,12 +89,12 @@ Criterion difference(const Vector3& base) {
   return {"difference", "m", 1e-3, [base](const History& run) {
             const Scene near = far_tower(Vector3::Zero());
             const Simulated twin = simulate(near, static_cast<int>(run.states.size()) - 1);
-            double most = 0;
+            double max = 0;
             for (std::size_t i = 0; i < near.bodies.size(); ++i) {
               const Vector3 place = run.states.back()[i].pose.position - base;
-              most = std::max(most, (place - twin.history.states.back()[i].pose.position).norm());
+              max = std::max(max, (place - twin.history.states.back()[i].pose.position).norm());
             }
-            return most;
+            return max;
           }};
 }
 

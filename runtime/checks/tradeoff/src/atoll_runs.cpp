@@ -96,7 +96,7 @@ void measure_errors(const ScenePlan& plan, const Configuration& configuration, R
   record.judge_joints();
 }
 
-void measure_time(const ScenePlan& plan, const Configuration& configuration, double least_time, Record& record,
+void measure_time(const ScenePlan& plan, const Configuration& configuration, double min_time, Record& record,
                   const Stop& stop) {
   Spent spent;
   int runs = 0;
@@ -108,7 +108,7 @@ void measure_time(const ScenePlan& plan, const Configuration& configuration, dou
                       hash_text(record.hash.value_or(0)));
     }
     ++runs;
-  } while (spent.wall < least_time);
+  } while (spent.wall < min_time);
   record.cpu.add(spent.cpu / (runs * record.steps * record.dt));
   record.wall.add(1000 * spent.wall / (static_cast<double>(runs) * record.steps));
 }

@@ -18,9 +18,9 @@ Record describe(const ScenePlan& plan, const Configuration& configuration);
 /// atl::ErrorMeter, and the largest and the median contact residual over the steps.
 void measure_errors(const ScenePlan& plan, const Configuration& configuration, Record& record, const Stop& stop);
 
-/// Simulates in fresh worlds, diagnostics off, until at least `least_time` s were spent in steps and the forces before
+/// Simulates in fresh worlds, diagnostics off, until at least `min_time` s were spent in steps and the forces before
 /// them, and adds the time of that as one sample. Throws OtherBits unless it ends in the record's state, bit for bit.
-void measure_time(const ScenePlan& plan, const Configuration& configuration, double least_time, Record& record,
+void measure_time(const ScenePlan& plan, const Configuration& configuration, double min_time, Record& record,
                   const Stop& stop);
 
 /// CPU time of this process, s.

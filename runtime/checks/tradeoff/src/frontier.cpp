@@ -12,7 +12,7 @@
 namespace atl::tradeoff {
 namespace {
 
-constexpr double least_time = 0.02;  // s of stepping, for a time
+constexpr double min_time = 0.02;  // s of stepping, for a time
 
 std::string text(double value) {
   std::ostringstream out;
@@ -27,7 +27,7 @@ PeerRun run_of(const std::string& scene, int steps, double dt = 1.0 / 60) {
 bool survives(const Record& record, const Ladder& ladder) {
   return record.outcome == Outcome::Done &&
          std::all_of(ladder.limits.begin(), ladder.limits.end(), [&](const Ladder::Limit& limit) {
-           return std::abs(record.error(limit.measure).value_or(0)) <= limit.most;
+           return std::abs(record.error(limit.measure).value_or(0)) <= limit.max;
          });
 }
 
@@ -66,7 +66,7 @@ Reach climb_with_atoll(const Ladder& ladder, int substeps, const Stop& stop) {
   };
   const auto time = [&](const PeerRun& run, Record& record) {
     const ScenePlan plan = plan_of(run, substeps);
-    measure_time(plan, plan.configurations.front(), least_time, record, stop);
+    measure_time(plan, plan.configurations.front(), min_time, record, stop);
   };
   climb_with(ladder, measure, time, reach);
   return reach;
@@ -80,7 +80,7 @@ Reach climb_with_peer(const Ladder& ladder, const PeerDriver& driver, int subste
     driver.measure_errors(setting, run, record);
     return record;
   };
-  const auto time = [&](const PeerRun& run, Record& record) { driver.measure_time(setting, run, least_time, record); };
+  const auto time = [&](const PeerRun& run, Record& record) { driver.measure_time(setting, run, min_time, record); };
   climb_with(ladder, measure, time, reach);
   return reach;
 }

@@ -133,13 +133,13 @@ class Grid {
 
 // With the most iterations of a list.
 Configuration with_most(const Axis& iterations, const Values& values, const Configuration& scenes_own) {
-  Configuration most = scenes_own;
+  Configuration max = scenes_own;
   for (const std::string& value : values) {
     Configuration other = scenes_own;
     iterations.apply(value, other);
-    if (other.settings.iterations > most.settings.iterations) most = other;
+    if (other.settings.iterations > max.settings.iterations) max = other;
   }
-  return most;
+  return max;
 }
 
 std::vector<Configuration> configurations(const Scene& scene, bool large, const GridOptions& options) {
@@ -153,13 +153,13 @@ std::vector<Configuration> configurations(const Scene& scene, bool large, const 
   const Axis& iterations = find_axis("iterations");
   // Iterations on top of many substeps cost large scenes much and say little.
   const bool thin = large && !options.lists.contains("substeps") && !options.lists.contains("iterations");
-  constexpr int most_sweeps = 16;
+  constexpr int max_sweeps = 16;
   const Axis& tolerance = find_axis("tolerance");
-  const Configuration most_iterations = with_most(iterations, values(iterations), scenes_own);
+  const Configuration max_iterations = with_most(iterations, values(iterations), scenes_own);
   Grid grid(scenes_own);
   if (values(iterations).empty()) grid.add_line(substeps, values(substeps), scenes_own);
   grid.add_plane(substeps, values(substeps), iterations, values(iterations), [&](const Configuration& c) {
-    return !thin || c.settings.iterations == 1 || c.settings.substeps * c.settings.iterations <= most_sweeps;
+    return !thin || c.settings.iterations == 1 || c.settings.substeps * c.settings.iterations <= max_sweeps;
   });
   // A direct solver of joints takes what substeps are there, and an iterative one needs them.
   const Axis& joint_solver = find_axis("joint_solver");
@@ -170,29 +170,29 @@ std::vector<Configuration> configurations(const Scene& scene, bool large, const 
   for (const Axis& axis : axes()) {
     if (axis.name == substeps.name || axis.name == iterations.name) continue;
     // A tolerance can spare sweeps only where there are several.
-    grid.add_line(axis, values(axis), axis.name == tolerance.name ? most_iterations : scenes_own);
+    grid.add_line(axis, values(axis), axis.name == tolerance.name ? max_iterations : scenes_own);
   }
   return grid.take();
 }
 
-// The first step from `least` on after which the bodies have landed, at the scene's own settings; `least` if they never
+// The first step from `min` on after which the bodies have landed, at the scene's own settings; `min` if they never
 // do.
-int steps_until_landed(const Scene& scene, int least) {
+int steps_until_landed(const Scene& scene, int min) {
   World world({.gravity = scene.gravity, .settings = scene.settings});
   const std::vector<BodyId> ids = build_scene(scene, world);
   for (int step = 1; step <= scene.steps; ++step) {
     apply_forces(scene, world, ids);
     world.step(scene.dt);
-    if (step >= least && touching_share(scene, world, ids) >= landed_share) return step;
+    if (step >= min && touching_share(scene, world, ids) >= landed_share) return step;
   }
-  return least;
+  return min;
 }
 
 int steps_of_large(const ScenePlan& plan, std::size_t bodies, bool quick) {
   const Scene& scene = plan.scene;
-  const double most_body_steps = quick ? 1e5 : 3e5;
-  constexpr int least = 10;
-  const int few = std::max(least, static_cast<int>(most_body_steps / static_cast<double>(bodies)));
+  const double max_body_steps = quick ? 1e5 : 3e5;
+  constexpr int min = 10;
+  const int few = std::max(min, static_cast<int>(max_body_steps / static_cast<double>(bodies)));
   if (few >= scene.steps) return scene.steps;
   return plan.chaotic() && !nothing_touches(scene) ? steps_until_landed(scene, few) : few;
 }
@@ -234,7 +234,7 @@ ScenePlan plan_scene(Scene planned, const GridOptions& options) {
   Scene& scene = plan.scene;
   const std::size_t bodies = dynamic_bodies(scene);
   plan.scene_steps = scene.steps;
-  plan.large = bodies > most_bodies_of_small;
+  plan.large = bodies > max_bodies_of_small;
   if (options.steps) {
     scene.steps = *options.steps;
   } else if (plan.large) {

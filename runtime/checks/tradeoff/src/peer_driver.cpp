@@ -101,10 +101,10 @@ void PeerDriver::measure_errors(const PeerSetting& setting, const PeerRun& run, 
   }
 }
 
-void PeerDriver::measure_time(const PeerSetting& setting, const PeerRun& run, double least_time, Record& record) const {
+void PeerDriver::measure_time(const PeerSetting& setting, const PeerRun& run, double min_time, Record& record) const {
   const Outcome before = record.outcome;
   record.outcome = Outcome::Done;
-  const std::string out = call(setting, run, {"--time", exact(least_time)}, record);
+  const std::string out = call(setting, run, {"--time", exact(min_time)}, record);
   if (record.outcome != Outcome::Done) return;
   record.outcome = before;
   try {

@@ -41,7 +41,7 @@ double Samples::max() const { return *std::max_element(values_.begin(), values_.
 
 void Record::judge_joints() {
   const std::optional<double> gap = error("joint_gap_run_max");
-  if (outcome != Outcome::Done || !gap || *gap <= most_joint_gap) return;
+  if (outcome != Outcome::Done || !gap || *gap <= max_joint_gap) return;
   outcome = Outcome::CameApart;
   why = "came apart: a joint opened by " + fixed(*gap, 1) + " m";
 }

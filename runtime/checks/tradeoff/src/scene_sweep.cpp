@@ -54,7 +54,7 @@ class SceneSweep {
       report_.records.push_back(std::move(record));
       if (!report_.records.back().hash) continue;
       const auto time = [this, &plan, &configuration, place = report_.records.size() - 1] {
-        tradeoff::measure_time(plan, configuration, policy_.least_time, report_.records[place], policy_.stop);
+        tradeoff::measure_time(plan, configuration, policy_.min_time, report_.records[place], policy_.stop);
       };
       jobs_.push_back({.run = time, .work = work_of(plan, configuration)});
     }
@@ -80,7 +80,7 @@ class SceneSweep {
       if (measured.is_default && hopeless) return;
       if (!measured.came_to_its_end()) continue;
       const auto time = [this, &driver, &setting, run, place = report_.records.size() - 1] {
-        driver.measure_time(setting, run, policy_.least_time, report_.records[place]);
+        driver.measure_time(setting, run, policy_.min_time, report_.records[place]);
       };
       jobs_.push_back({.run = time, .work = work_of_peer(plan)});
     }
@@ -116,8 +116,8 @@ void leave_out_untimed(std::vector<Record>& records) {
 
 }  // namespace
 
-RunPolicy RunPolicy::usual(bool quick) {
-  return {.repeats = quick ? 1 : 3, .least_time = quick ? 0.02 : 0.03, .peer_budget = quick ? 0.5 : 15.0};
+RunPolicy RunPolicy::standard(bool quick) {
+  return {.repeats = quick ? 1 : 3, .min_time = quick ? 0.02 : 0.03, .peer_budget = quick ? 0.5 : 15.0};
 }
 
 std::int64_t estimate_work(const ScenePlan& plan, const std::vector<PeerDriver>& drivers, const RunPolicy& policy) {

@@ -63,10 +63,10 @@ pid_t spawn(const std::vector<std::string>& words, const Pipe& out, const Pipe& 
   // A process that lets others read what it writes ignores it.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
-  sigset_t as_usual;
-  ::sigemptyset(&as_usual);
-  ::sigaddset(&as_usual, SIGPIPE);
-  ::posix_spawnattr_setsigdefault(&attributes, &as_usual);
+  sigset_t defaults;
+  ::sigemptyset(&defaults);
+  ::sigaddset(&defaults, SIGPIPE);
+  ::posix_spawnattr_setsigdefault(&attributes, &defaults);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
   const int failed = ::posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ);

@@ -60,7 +60,7 @@ std::string limit_words(const Limit& limit, double value) {
 }  // namespace
 
 std::string read_target(const std::string& text, ErrorTarget& target) {
-  ErrorTarget read = {.least_substeps = target.least_substeps, .most_substeps = target.most_substeps};
+  ErrorTarget read = {.min_substeps = target.min_substeps, .max_substeps = target.max_substeps};
   if (const double length = parse_metres(text); is_limit(length)) {
     read.penetration = read.joint_gap = length;
   } else if (text != "off") {

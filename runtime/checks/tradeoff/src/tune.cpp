@@ -17,7 +17,7 @@
 namespace atl::tradeoff {
 namespace {
 
-constexpr int most_tuned_substeps = 64;
+constexpr int max_tuned_substeps = 64;
 constexpr double rest_share = 0.25;  // of the steps, the last ones
 
 // Errors after a step, as islands' targets count them.
@@ -185,7 +185,7 @@ void time_trials(const ScenePlan& plan, const RunPolicy& policy, Tuning& tuning)
       if (spent[i] >= RunPolicy::enough) continue;
       Trial& trial = tuning.trials[tuning.timed[i]];
       const Clock::time_point start = Clock::now();
-      measure_time(plan, trial.configuration, policy.least_time, trial.record, policy.stop);
+      measure_time(plan, trial.configuration, policy.min_time, trial.record, policy.stop);
       spent[i] += std::chrono::duration<double>(Clock::now() - start).count();
     }
   }
@@ -196,7 +196,7 @@ void time_trials(const ScenePlan& plan, const RunPolicy& policy, Tuning& tuning)
 std::vector<int> tuning_ladder() {
   std::vector<int> ladder;
   for (const std::uint16_t rung : solver::substep_rungs) {
-    if (rung <= most_tuned_substeps) ladder.push_back(rung);
+    if (rung <= max_tuned_substeps) ladder.push_back(rung);
   }
   return ladder;
 }
@@ -207,7 +207,7 @@ ScenePlan plan_to_tune(const std::string& address, std::uint64_t seed, std::opti
   plan.scene_steps = scene.steps;
   scene.steps = steps.value_or(scene.steps);
   scene.settings.target = {};
-  plan.large = dynamic_bodies(scene) > most_bodies_of_small;
+  plan.large = dynamic_bodies(scene) > max_bodies_of_small;
   plan.configurations = {{.settings = scene.settings, .dt = scene.dt, .threads = 1}};
   return plan;
 }
@@ -237,9 +237,9 @@ Tuning tune(const ScenePlan& plan, double error, const RunPolicy& policy,
   }
   for (std::size_t i = 0; i < tuning.trials.size(); ++i) {
     if (tuning.trials[i].record.outcome != Outcome::Done) continue;
-    const double before =
-        tuning.most_exact ? tuning.trials[*tuning.most_exact].errors.worst() : std::numeric_limits<double>::infinity();
-    if (tuning.trials[i].errors.worst() < before) tuning.most_exact = i;
+    const double before = tuning.smallest_error ? tuning.trials[*tuning.smallest_error].errors.worst()
+                                                : std::numeric_limits<double>::infinity();
+    if (tuning.trials[i].errors.worst() < before) tuning.smallest_error = i;
   }
   return tuning;
 }

@@ -17,7 +17,7 @@ function writeFacts() {
     ['Compiler', machine.compiler], ['Date', results.date],
     ...results.engines.map((e) => [e.name, e.version + (e.precision ? ', ' + e.precision : '')]),
     ['Runs', `${results.quick ? 'quick, ' : ''}each timed ${results.repeats === 1 ? 'once' : results.repeats + ' times'},` +
-      ` ${figure(results.least_time_s)} s or longer` +
+      ` ${figure(results.min_time_s)} s or longer` +
       (results.interrupted ? ', and interrupted before all were done' : '')]];
   for (const [name, value] of facts) {
     document.getElementById('facts').append(html('div', {}, html('dt', {}, name), html('dd', {}, value)));
@@ -162,10 +162,10 @@ class Plot {
   point(event) {
     const bounds = this.drawing.getBoundingClientRect();
     const x = event.clientX - bounds.left, y = event.clientY - bounds.top;
-    let nearest = -1, least = 26;
+    let nearest = -1, min = 26;
     this.runs.forEach((r, index) => {
       const distance = Math.hypot(r.x - x, r.y - y);
-      if (distance < least) [nearest, least] = [index, distance];
+      if (distance < min) [nearest, min] = [index, distance];
     });
     this.select(nearest);
   }

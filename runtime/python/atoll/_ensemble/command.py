@@ -191,12 +191,12 @@ def _say(what: object, status: int) -> int:
     return status
 
 
-def _number(kind: type[int] | type[float], least: float, most: float, expected: str) -> Callable[[str], float]:
+def _number(kind: type[int] | type[float], lowest: float, highest: float, expected: str) -> Callable[[str], float]:
     """A type of argparse's, for numbers of a range."""
 
     def number(text: str) -> float:
         value = kind(text)
-        if not least <= value <= most:
+        if not lowest <= value <= highest:
             raise argparse.ArgumentTypeError(f"found {text}; expected {expected}")
         return value
 

@@ -53,7 +53,7 @@ class Moment:
     """Of a job's series."""
 
     step: int
-    told: dict[str, float]  #: observables by name, and the time in s
+    observed: dict[str, float]  #: observables by name, and the time in s
 
 
 @dataclass(frozen=True)
@@ -154,9 +154,9 @@ def _change_bodies(scene: _core.Scene, parameters: dict[str, Any]) -> None:
 def _memory_limit(size: int | None) -> Iterator[None]:
     """Raises LimitError where the process would have more than `size` bytes of data, or more than there is."""
     before = resource.getrlimit(resource.RLIMIT_DATA)
-    most = before[0] if size is None else size
+    address_space = before[0] if size is None else size
     try:
-        resource.setrlimit(resource.RLIMIT_DATA, (most, before[1]))
+        resource.setrlimit(resource.RLIMIT_DATA, (address_space, before[1]))
         yield
     except MemoryError:
         limit = "there is" if size is None else f"its limit of {size / 1e6:.0f} MB"
@@ -278,20 +278,20 @@ def _moment(job: Job, scene: _core.Scene, world: _core.World, step: int) -> Mome
 
 def _observe(job: Job, scene: _core.Scene, world: _core.World, known: dict[str, Any]) -> dict[str, Any]:
     """What is known, and observables. A function may add columns, not change them."""
-    told = known | observe(world, job.keep.observables)
+    observed = known | observe(world, job.keep.observables)
     if not job.observe:
-        return told
+        return observed
     found = _call(job.observe, world, scene)
     if not isinstance(found, Mapping):
         raise FunctionError(f"{job.observe}: returned {_short(found)}; expected a dict of numbers by name")
     for name, value in found.items():
-        if not isinstance(name, str) or name in told or name in _TAKEN or name in job.parameters:
+        if not isinstance(name, str) or name in observed or name in _TAKEN or name in job.parameters:
             raise FunctionError(f"{job.observe}: returned the name {_short(name)}; expected text that no other column has")
         try:
-            told[name] = float(value)
+            observed[name] = float(value)
         except (TypeError, ValueError, OverflowError):
             raise FunctionError(f"{job.observe}: returned {_short(value)} as {name}; expected a number") from None
-    return told
+    return observed
 
 
 def _short(value: object) -> str:

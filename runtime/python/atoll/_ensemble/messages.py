@@ -39,13 +39,13 @@ def read_call(message: bytes, unpickle: Callable[[bytes], Any]) -> tuple[Callabl
         return function, arguments
     if message[:1] != _PLAIN:
         raise ValueError(_NO_CALL)
-    told = json.loads(message)
-    job, start = told.pop("job"), told.pop("start")
+    fields = json.loads(message)
+    job, start = fields.pop("job"), fields.pop("start")
     keep = Keep(**{**job["keep"], "observables": tuple(job["keep"]["observables"])})
     read = Job(**{**job, "source": Source(**job["source"]), "keep": keep})
     if read.setup or read.observe:
         raise ValueError(f"found {read.setup or read.observe} in a call that runs no functions")
-    rest = (told["seconds"], told["folder"], _bytes(told["snapshot"]), told.get("name", ""), told.get("memory"))
+    rest = (fields["seconds"], fields["folder"], _bytes(fields["snapshot"]), fields.get("name", ""), fields.get("memory"))
     return run_part, (read, start and Point(**start), *rest)
 
 
@@ -74,18 +74,18 @@ def _read_answer(call: bytes, message: bytes, unpickle: Callable[[bytes], Any]) 
     if not is_plain(call):
         value, error = unpickle(message)
         return value, error
-    told = json.loads(message)
-    if told["error"]:
-        kind, words = map(str, told["error"])
+    fields = json.loads(message)
+    if fields["error"]:
+        kind, words = map(str, fields["error"])
         return None, _ERRORS.get(kind, RuntimeError)(words)
-    part = told["part"]
-    moments = [Moment(int(moment["step"]), dict(moment["told"])) for moment in part.pop("series")]
+    part = fields["part"]
+    moments = [Moment(int(moment["step"]), dict(moment["observed"])) for moment in part.pop("series")]
     first, last, checks = int(part.pop("first")), Point(**part.pop("last")), [Point(**check) for check in part.pop("checks")]
     return Part(first, last, checks, moments, part.pop("result"), _bytes(part.pop("snapshot")), **part), None
 
 
-def _write(told: dict[str, Any]) -> bytes:
-    plain = {name: asdict(value) if isinstance(value, (Job, Point, Part)) else value for name, value in told.items()}
+def _write(fields: dict[str, Any]) -> bytes:
+    plain = {name: asdict(value) if isinstance(value, (Job, Point, Part)) else value for name, value in fields.items()}
     return json.dumps(plain, default=_text).encode()
 
 

@@ -207,7 +207,7 @@ class RayEngine:
         except errors.RayError as raised:
             if not worker.name:
                 self._end(worker)
-                self._note_failed_start(raised)
+                self._record_failed_start(raised)
             elif isinstance(raised, errors.RayTaskError):
                 error = EngineError(f"{worker.name} can't run calls: {raised}")
                 self._answers.append(Answer(worker.took().call.ticket, worker.name, error=error))
@@ -235,7 +235,7 @@ class RayEngine:
             self._waiting[:0] = [other.task for other in worker.calls]
             self._end(worker)
 
-    def _note_failed_start(self, failure: Exception) -> None:
+    def _record_failed_start(self, failure: Exception) -> None:
         self._failed_starts += 1
         if getattr(failure, "actor_init_failed", False) or self._failed_starts == MOST_FAILED_STARTS:
             raise EngineError(f"nodes can't run calls: {failure}")

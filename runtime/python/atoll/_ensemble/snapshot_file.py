@@ -33,10 +33,10 @@ def unpack(stored: SnapshotBytes, key: str) -> tuple[tuple[int, int], _core.Snap
     try:
         if not head.startswith(_MAGIC):
             raise ValueError
-        told = json.loads(head[len(_MAGIC) :])
-        point = (int(told["step"]), int(told["hash"]))
-        whole = hashlib.sha256(content).hexdigest() == told["sha256"]
-        of_job = told["key"] == key
+        header = json.loads(head[len(_MAGIC) :])
+        point = (int(header["step"]), int(header["hash"]))
+        whole = hashlib.sha256(content).hexdigest() == header["sha256"]
+        of_job = header["key"] == key
     except (ValueError, KeyError, TypeError):
         raise BadSnapshot(f"{stored.origin} is no snapshot of a job") from None
     if not whole:

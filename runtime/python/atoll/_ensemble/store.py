@@ -150,7 +150,7 @@ class Store:
     def put_series(self, key: str, series: Iterable[Moment]) -> None:
         """Some of a job's moments, which may be known."""
         for moment in series:
-            self._write("INSERT OR REPLACE INTO series VALUES (?, ?, ?)", (key, moment.step, json.dumps(moment.told)))
+            self._write("INSERT OR REPLACE INTO series VALUES (?, ?, ?)", (key, moment.step, json.dumps(moment.observed)))
 
     def series(self, keys: Iterable[str]) -> dict[str, list[Moment]]:
         """Of each of these jobs."""
@@ -204,10 +204,10 @@ def read_results(path: Path) -> dict[str, Result]:
 
 def _results(database: sqlite3.Connection) -> Iterator[tuple[str, Result]]:
     for key, worker, checked_by, seconds, row in database.execute("SELECT * FROM results"):
-        told = _object(row)
-        if not told.keys() >= set(FIRST_COLUMNS):
-            raise ValueError(f"a row of {', '.join(told)}")
-        yield str(key), Result(str(worker), str(checked_by), float(seconds), told)
+        observed = _object(row)
+        if not observed.keys() >= set(FIRST_COLUMNS):
+            raise ValueError(f"a row of {', '.join(observed)}")
+        yield str(key), Result(str(worker), str(checked_by), float(seconds), observed)
 
 
 def read_series(path: Path, keys: Iterable[str]) -> dict[str, list[Moment]]:

@@ -57,22 +57,22 @@ class Table:
 def make_table(plan: Plan, keys: Collection[str], results: Mapping[str, Mapping[str, Any]]) -> Table:
     """Of those jobs of a plan, whose keys come in its order, that are done: rows by key, as `row_of` makes them."""
     found = {key: results[key] for key in keys if key in results}
-    told = dict.fromkeys(name for row in found.values() for name in row)
-    columns = list(dict.fromkeys([*FIRST_COLUMNS, *plan.parameters(), *(name for name in told if name not in FIRST_COLUMNS)]))
+    observed = dict.fromkeys(name for row in found.values() for name in row)
+    columns = list(dict.fromkeys([*FIRST_COLUMNS, *plan.parameters(), *(name for name in observed if name not in FIRST_COLUMNS)]))
     return Table(columns, [{name: found[key].get(name) for name in columns} for key in keys if key in found])
 
 
 def make_series(keys: Iterable[str], results: Mapping[str, Mapping[str, Any]], series: Mapping[str, list[Moment]]) -> Table:
     """Of jobs that came to their end."""
     whole = [key for key in keys if key in results and results[key]["outcome"] == "done"]
-    rows = [{"job": key, "step": moment.step, **moment.told} for key in whole for moment in series[key]]
+    rows = [{"job": key, "step": moment.step, **moment.observed} for key in whole for moment in series[key]]
     columns = list(dict.fromkeys(["job", "step", "time", *(name for row in rows for name in row)]))
     return Table(columns, [{name: row.get(name) for name in columns} for row in rows])
 
 
-def row_of(job: Job, outcome: str, why: str, told: Mapping[str, Any]) -> dict[str, Any]:
+def row_of(job: Job, outcome: str, why: str, observed: Mapping[str, Any]) -> dict[str, Any]:
     first = dict(zip(FIRST_COLUMNS, (job.key, outcome, why, job.source.name, job.seed), strict=True))
-    return {**first, **job.parameters, **told}
+    return {**first, **job.parameters, **observed}
 
 
 def has_parquet() -> bool:

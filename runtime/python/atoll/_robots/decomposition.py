@@ -36,8 +36,8 @@ class Hulls:
                 f"{len(self.hulls)} hulls by CoACD, {points} points{fewer}: "
                 f"{self.error:+.1%} of its volume, where one hull has {self.error_of_one:+.1%}"
             )
-        told = "" if self.error is None else f": {self.error:+.1%} of its volume"
-        return f"the hull of its points, {points} of them{fewer}{told}"
+        error_text = "" if self.error is None else f": {self.error:+.1%} of its volume"
+        return f"the hull of its points, {points} of them{fewer}{error_text}"
 
 
 def check_hull_error(call: str, bound: float | None) -> None:

@@ -134,11 +134,11 @@ class Robot:
         earlier, values = iter(speeds), {}
         for sensor in self.sensors:
             if sensor.coordinate >= 0:
-                value = states[sensor.kind][[sensor.coordinate]].clip(sensor.least, sensor.most)
+                value = states[sensor.kind][[sensor.coordinate]].clip(sensor.min_value, sensor.max_value)
             elif sensor.kind == "accelerometer":
                 frame = Frame(sensor, world)
                 change = (frame.linear - next(earlier)) / (seconds or 1)
-                value = frame.inwards(change - np.asarray(world.gravity)).clip(sensor.least, sensor.most)
+                value = frame.inwards(change - np.asarray(world.gravity)).clip(sensor.min_value, sensor.max_value)
             else:
                 value = read(sensor, world)
             values[sensor.name] = value

@@ -63,7 +63,7 @@ class SensorElements:
         cutoff, kind = float(m.sensor_cutoff[number]), int(m.sensor_datatype[number])
         if cutoff <= 0 or kind not in (kinds.mjDATATYPE_REAL, kinds.mjDATATYPE_POSITIVE):
             return {}
-        return {"most": cutoff, "least": -cutoff if kind == kinds.mjDATATYPE_REAL else 0.0}
+        return {"max_value": cutoff, "min_value": -cutoff if kind == kinds.mjDATATYPE_REAL else 0.0}
 
     def _place(self, number: int, kind: Kind) -> tuple[dict[str, Any], str]:
         """Fields of the sensor that say where it is, or why there is none."""

@@ -32,8 +32,8 @@ class Sensor:
     joint: int = -1  #: its place in the scene, for force and torque: the joint that carries the body
     zone: Zone | None = None  #: of touch
     size: tuple[float, ...] = ()  #: m, of the zone: radius, half lengths, as MuJoCo's
-    least: float = -math.inf  #: that values are held to
-    most: float = math.inf
+    min_value: float = -math.inf  #: that values are held to
+    max_value: float = math.inf
 
 
 class Frame:
@@ -74,7 +74,7 @@ def read(sensor: Sensor, world: _core.World) -> Floats:
         value = np.array([_touch(sensor, frame, world)])
     else:
         value = _load(sensor, frame, world)
-    return np.asarray(np.clip(value, sensor.least, sensor.most), dtype=np.float64)
+    return np.asarray(np.clip(value, sensor.min_value, sensor.max_value), dtype=np.float64)
 
 
 def _touch(sensor: Sensor, frame: Frame, world: _core.World) -> float:

@@ -157,9 +157,9 @@ def _take_limits(root: _Element, receipt: Receipt) -> None:
             receipt.taken_as("range", name, f"none: [{lower:g}, {upper:g}] has no room")
             for bound in ("lower", "upper"):
                 limit.attrib.pop(bound, None)
-        told = [f"{what} {value}" for what in ("effort", "velocity") if (value := limit.get(what))]
-        if told:
-            receipt.taken_as("limit", name, f"{' and '.join(told)} of its coordinate, to which nothing holds it")
+        limit_texts = [f"{what} {value}" for what in ("effort", "velocity") if (value := limit.get(what))]
+        if limit_texts:
+            receipt.taken_as("limit", name, f"{' and '.join(limit_texts)} of its coordinate, to which nothing holds it")
 
 
 def _leave_fixed_mimics(root: _Element, receipt: Receipt) -> None:

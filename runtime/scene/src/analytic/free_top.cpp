@@ -15,13 +15,13 @@ bool is_cyclic(const std::array<int, 3>& axes) { return (axes[0] + 1) % 3 == axe
 
 // Arithmetic-geometric mean: Abramowitz and Stegun, "Handbook of Mathematical Functions", 16.4.
 Jacobi jacobi(double argument, double modulus) {
-  constexpr int most = 16;  // converges quadratically: 6 do for all but moduli next to 1
-  std::array<double, most> a = {}, c = {};
+  constexpr int max = 16;  // converges quadratically: 6 do for all but moduli next to 1
+  std::array<double, max> a = {}, c = {};
   a[0] = 1;
   c[0] = modulus;
   double b = std::sqrt((1 - modulus) * (1 + modulus));
   int n = 0;
-  while (n + 1 < most && std::abs(c[n]) > 1e-17 * a[n]) {
+  while (n + 1 < max && std::abs(c[n]) > 1e-17 * a[n]) {
     a[n + 1] = (a[n] + b) / 2;
     c[n + 1] = (a[n] - b) / 2;
     b = std::sqrt(a[n] * b);
@@ -47,11 +47,11 @@ FreeTop::FreeTop(const Vector3& moments, const Vector3& spin, const Quaternion& 
 
   const double i1 = moments[axes_[0]], i2 = moments[axes_[1]], i3 = moments[axes_[2]];
   const double square = momentum_ * momentum_;
-  const double least = twice_energy_ * i3 - square, most = square - twice_energy_ * i1;
-  amplitudes_ = {std::sqrt(std::max(0.0, least / (i1 * (i3 - i1)))), std::sqrt(std::max(0.0, least / (i2 * (i3 - i2)))),
-                 std::sqrt(most / (i3 * (i3 - i1)))};
-  rate_ = std::sqrt((i3 - i2) * most / (i1 * i2 * i3));
-  modulus_ = std::sqrt(std::max(0.0, (i2 - i1) * least / ((i3 - i2) * most)));
+  const double min = twice_energy_ * i3 - square, max = square - twice_energy_ * i1;
+  amplitudes_ = {std::sqrt(std::max(0.0, min / (i1 * (i3 - i1)))), std::sqrt(std::max(0.0, min / (i2 * (i3 - i2)))),
+                 std::sqrt(max / (i3 * (i3 - i1)))};
+  rate_ = std::sqrt((i3 - i2) * max / (i1 * i2 * i3));
+  modulus_ = std::sqrt(std::max(0.0, (i2 - i1) * min / ((i3 - i2) * max)));
 
   // Euler's equations, (I2 - I3) w2 w3 and so on, fix the product of the three signs; cn and sn come in both, dn in
   // one.

@@ -9,7 +9,7 @@
 
 namespace atl::scene {
 
-inline constexpr double most_error = 1e3;  // see ClosedFormMeasure::errors
+inline constexpr double max_error = 1e3;  // see ClosedFormMeasure::errors
 
 /// The largest errors of a run so far, by name. "analytic_error" comes first, without a unit.
 class LargestErrors {
@@ -21,7 +21,7 @@ class LargestErrors {
   /// The name has to be one of those given. What is no number counts as the most.
   void raise(std::string_view name, double value) {
     const auto named = std::find_if(errors_.begin(), errors_.end(), [&](const auto& e) { return e.name == name; });
-    named->value = std::max(named->value, value <= most_error ? value : most_error);
+    named->value = std::max(named->value, value <= max_error ? value : max_error);
   }
 
   /// A part that counts in full.

@@ -8,7 +8,7 @@ namespace atl::solver {
 
 /// The least moment of inertia that contacts assume, as part of mass times inner radius squared. Every moment of a
 /// solid of uniform density is at least three times this.
-inline constexpr double least_moment_share = 0.1;
+inline constexpr double min_moment_share = 0.1;
 
 /// Ratio of the largest to the least moment above which a body is slender: a rod from 1:15 on. Bodies below it gain no
 /// energy in impacts: 100 capsules of 1:6 that hit a wall at 1000 m/s don't, 100 of 1:50 do.

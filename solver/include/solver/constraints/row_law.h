@@ -28,7 +28,7 @@ struct LinearForce {
   void add(const LinearForce& other);
   double fastest() const;  ///< 1/s, of its frequency and its decay
   bool is_overdamped() const { return decay > 0 && decay * decay >= 4 * square_of_omega; }
-  /// Tells if steps of h seconds are too long to follow it: see SpringStep::most_phase.
+  /// Tells if steps of h seconds are too long to follow it: see SpringStep::max_phase.
   bool is_stiff(double h) const;
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
 };
@@ -110,8 +110,8 @@ struct RowLaw {
   int friction_bound(double rate) const;
 
  private:
-  // The bound (-1 or 1) that a force of at most `most` is at if `wanted` is asked of it, else 0.
-  static int bound_at(double wanted, double most) { return wanted > most ? 1 : wanted < -most ? -1 : 0; }
+  // The bound (-1 or 1) that a force of at most `max` is at if `wanted` is asked of it, else 0.
+  static int bound_at(double wanted, double max) { return wanted > max ? 1 : wanted < -max ? -1 : 0; }
   double drive() const { return motor_slope > 0 ? motor_slope : stiffness; }
   double friction_drive() const { return friction_slope > 0 ? friction_slope : stiffness; }
 };

@@ -5,10 +5,10 @@ namespace atl::solver {
 /// A damped spring over a time step, so that a body alone on it moves as the closed form has it, to the rounding error,
 /// in semi-implicit Euler's leapfrog of positions and velocities: with the rate u before the step and the position x
 /// from rest, a rate that everything else makes u0 becomes (u0 + keep * u - pull * x) / (1 + hold). A constant force is
-/// answered by its static deflection. Exact maps are always stable; a spring that would swing by more than `most_phase`
+/// answered by its static deflection. Exact maps are always stable; a spring that would swing by more than `max_phase`
 /// in a step, which nobody could see, is damped so far that it swings by that.
 struct SpringStep {
-  static constexpr double most_phase = 1;  ///< rad
+  static constexpr double max_phase = 1;  ///< rad
 
   double hold = 0;
   double keep = 0;

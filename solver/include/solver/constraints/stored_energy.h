@@ -20,7 +20,7 @@ bool stores_energy(const Joint& joint);
 /// J: the most that a joint gives in `dt` (s) beyond what it has stored. A motor with a speed works on its coordinate
 /// up to that speed, and beyond it brakes. Infinite with a spring of a frequency, whose stiffness goes with the masses
 /// along it.
-double most_given(const Joint& joint, double dt);
+double max_energy_given(const Joint& joint, double dt);
 
 /// Tells a joint with a spring, a servo or ends that bounce, which gives motion back.
 bool gives_back(const Joint& joint);

@@ -8,8 +8,8 @@ namespace atl::solver {
 
 /// Surface effects of a touching pair beyond plain friction, by contact slot, in rows of four floats for the kernels.
 /// The step sets all members but the impulse (the solver's caller sets the frictions, the solver how surfaces run). The
-/// impulse lasts from step to step like a manifold's, but only while the contact is_pressed() and has rolling friction:
-/// an impulse left by a former contact of the slot, or by another material, must not act on the next one.
+/// impulse lasts from step to step like a manifold's, but only while the contact has_impulse() and has rolling
+/// friction: an impulse left by a former contact of the slot, or by another material, must not act on the next one.
 struct alignas(32) SurfaceContact {
   /// m/s, world frame, at the contact: of the second surface along its body, against the first along its own.
   float slip[3] = {0, 0, 0};
@@ -30,7 +30,7 @@ inline bool is_uneven(const SurfaceContact& contact) {
 }
 
 /// True if a contact carried a load in the last step.
-inline bool is_pressed(const collision::ContactManifold& manifold) {
+inline bool has_impulse(const collision::ContactManifold& manifold) {
   for (const float impulse : manifold.normal_impulse) {
     if (impulse != 0) return true;
   }
@@ -49,8 +49,8 @@ struct AddedSlip {
 
 /// Sets the surface effects of a touching pair in this step. Returns true if they are more than plain friction. `added`
 /// may be null. `ahead`: s, from the step's begin to when velocities are to be those of the surfaces.
-bool note_surfaces_of(const collision::TouchingPair& pair, const BodyTable& bodies,
-                      const collision::ContactManifold& manifold, double ahead, const AddedSlip* added,
-                      SurfaceContact& contact);
+bool update_surface_contact(const collision::TouchingPair& pair, const BodyTable& bodies,
+                            const collision::ContactManifold& manifold, double ahead, const AddedSlip* added,
+                            SurfaceContact& contact);
 
 }  // namespace atl::solver

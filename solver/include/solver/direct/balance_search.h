@@ -17,7 +17,7 @@ struct BalanceSearch {
   std::vector<double> direction;  ///< m/s, rad/s: along which the velocities are to go
   std::vector<double> impulses;   ///< N s, N m s, of the rows of joints alone
   std::vector<double> given;      ///< the same for rows on a piece of their law where it is constant
-  int most_iterations = 0;        ///< of Newton's method, in one search
+  int max_iterations = 0;         ///< of Newton's method, in one search
   int iterations = 0;             ///< of Newton's method, beyond the first solves
 
   /// Makes room for as many bodies.

@@ -32,10 +32,10 @@ class BlockLdlt {
   using BlockView = Eigen::Map<Eigen::MatrixXd>;
 
   /// `sizes`: rows of each node's block, in [1, 6]. `couplings`: pairs of different nodes whose block may not be zero,
-  /// in any order and any number of times. Returns false, with no nodes left, if the factor had more than `most_blocks`
+  /// in any order and any number of times. Returns false, with no nodes left, if the factor had more than `max_blocks`
   /// under its diagonal; that takes no longer than a factor of that many.
   bool analyse(std::span<const std::uint8_t> sizes, std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings,
-               std::size_t most_blocks = any_fill);
+               std::size_t max_blocks = any_fill);
 
   std::size_t nodes() const { return rank_.size(); }
   std::size_t rows() const { return static_cast<std::size_t>(row_.empty() ? 0 : row_.back()); }

@@ -115,7 +115,7 @@ struct DirectJoint {
   Rows<RowLaw> law;
   Rows<double> given;        ///< rate by what doesn't respond
   Rows<double> rate_before;  ///< at the start of the substep, before its forces
-  Rows<double> bend;         ///< m/s or rad/s, of what is locked or has an armature: see note_bends()
+  Rows<double> bend;         ///< m/s or rad/s, of what is locked or has an armature: see find_bends()
   Rows<double> kept;         ///< rate that armatures have, whose bodies have moved since
   Rows<LimitImpact> impact;
   Rows<double> rate;       ///< at the velocities of the problem

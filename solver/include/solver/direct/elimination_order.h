@@ -23,9 +23,8 @@ inline constexpr std::size_t any_fill = std::numeric_limits<std::size_t>::max();
 /// Eliminates the node with the least neighbours left, first come first served among equals (Tinney and Walker, "Direct
 /// solutions of sparse network equations", 1967): so a chain from both ends in turn, a tree from its leaves inwards.
 /// `couplings`: pairs of different nodes, in any order and any number of times; the result depends on neither. Empty
-/// if there were more than `most` neighbours in all, which is found out as soon as that is certain.
-EliminationOrder least_degree_order(std::size_t nodes,
-                                    std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings,
-                                    std::size_t most = any_fill);
+/// if there were more than `max` neighbours in all, which is found out as soon as that is certain.
+EliminationOrder min_degree_order(std::size_t nodes, std::span<const std::pair<std::uint32_t, std::uint32_t>> couplings,
+                                  std::size_t max = any_fill);
 
 }  // namespace atl::solver

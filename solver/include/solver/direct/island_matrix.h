@@ -13,19 +13,19 @@
 namespace atl::solver {
 
 /// Blocks under the diagonal that the factor of so many bodies may have.
-std::size_t most_factor_blocks(std::size_t body_count, bool touch);
+std::size_t max_factor_blocks(std::size_t body_count, bool touch);
 
 /// The second derivative of an IslandProblem's function, M plus J^T K J with K the stiffness of what holds: positive
 /// definite, with a block of 6 x 6 for each body and each pair, and its factor L D L^T.
 class IslandMatrix {
  public:
   /// Analyses a matrix for `body_count` bodies of which these pairs are coupled. Returns false if the factor would have
-  /// more than `most_blocks` blocks.
+  /// more than `max_blocks` blocks.
   bool analyse(std::size_t body_count, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
-               std::size_t most_blocks);
+               std::size_t max_blocks);
 
   /// Does the same for a problem of joints alone, which its bodies and joints describe.
-  bool analyse_joints(const IslandProblem& problem, std::size_t most_blocks);
+  bool analyse_joints(const IslandProblem& problem, std::size_t max_blocks);
 
   /// Factors the matrix for the pieces of their laws that contacts and joints are on now, and records these pieces.
   /// Returns false if there is no factor.

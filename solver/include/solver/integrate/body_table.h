@@ -61,11 +61,11 @@ struct BodyTable {
   jobs::SharedValues<Quaternion> principal_axes = jobs::SharedValues<Quaternion>(Quaternion::Identity());
   /// kg m^2, about these.
   jobs::SharedValues<Vector3> moments = jobs::SharedValues<Vector3>(Vector3::Zero());
-  jobs::CompactArray<std::uint8_t> locks;   ///< locked axes, see motion_locks.h
-  jobs::CompactArray<std::uint8_t> ball;    ///< 1 for a sphere about the centre of mass: it looks the same turned
-  jobs::CompactArray<std::uint8_t> rolls;   ///< 1 for what has round shapes and is no ball: see contact_arm.h
-  jobs::CompactArray<Surface> surfaces;     ///< empty while all are plain
-  jobs::CompactArray<double> least_moment;  ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
+  jobs::CompactArray<std::uint8_t> locks;  ///< locked axes, see motion_locks.h
+  jobs::CompactArray<std::uint8_t> ball;   ///< 1 for a sphere about the centre of mass: it looks the same turned
+  jobs::CompactArray<std::uint8_t> rolls;  ///< 1 for what has round shapes and is no ball: see contact_arm.h
+  jobs::CompactArray<Surface> surfaces;    ///< empty while all are plain
+  jobs::CompactArray<double> min_moment;   ///< kg m^2, see contact_inertia.h; 0 or empty where there is no need
   jobs::CompactArray<double> gravity_scale;
   jobs::CompactArray<double> linear_damping;   ///< 1/s
   jobs::CompactArray<double> angular_damping;  ///< 1/s
@@ -79,7 +79,7 @@ struct BodyTable {
   /// See jobs/arrays.h. Without the surfaces.
   auto arrays() const {
     return std::tie(positions, orientations, velocities, angular_velocities, forces, torques, mobility, inverse_mass,
-                    gyroscopic, inertia, inverse_inertia, principal_axes, moments, locks, ball, rolls, least_moment,
+                    gyroscopic, inertia, inverse_inertia, principal_axes, moments, locks, ball, rolls, min_moment,
                     gravity_scale, linear_damping, angular_damping, radius, turned, joined);
   }
 
@@ -145,7 +145,7 @@ inline void BodyTable::resize(std::size_t count) {
   principal_axes.resize(count);
   moments.resize(count);
   if (!surfaces.empty()) surfaces.resize(count);
-  if (!least_moment.empty()) jobs::append(least_moment, count, 0.0);
+  if (!min_moment.empty()) jobs::append(min_moment, count, 0.0);
   jobs::append(gravity_scale, count, 1.0);
   for (jobs::CompactArray<std::uint8_t>* flags : {&gyroscopic, &locks, &ball, &rolls, &joined}) {
     jobs::append(*flags, count, std::uint8_t{0});

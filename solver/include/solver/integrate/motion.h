@@ -64,8 +64,8 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
 /// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up its
 /// margins by the end of the next one, whether it was fast or is unsound, and where it started if it is joined to
 /// others.
-void note_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
-                 double dt, MovedBodies& notes);
+void record_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
+                   double dt, MovedBodies& notes);
 
 /// A turn by the vector `turn` (rad), of a small angle, after an orientation.
 inline Quaternion turned(const Vector3& turn, const Quaternion& orientation) {

@@ -101,9 +101,9 @@ struct IslandGroup {
   bool large;  ///< a single island, worth all workers at once
 };
 
-/// Packs islands into groups whose working set stays in a core's cache, or gives each a group of its own. `company` by
-/// island, or empty: those with the same number may share a group, those with Islands::none share none.
-void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint32_t> company,
+/// Packs islands into groups whose working set stays in a core's cache, or gives each a group of its own. `group_keys`
+/// by island, or empty: those with the same number may share a group, those with Islands::none share none.
+void pack_groups(const Islands& islands, bool one_each, std::span<const std::uint32_t> group_keys,
                  std::vector<IslandGroup>& groups);
 
 }  // namespace atl::solver

@@ -17,8 +17,8 @@ struct ErrorTarget {
   double joint_gap = none;    ///< m
   double residual = none;     ///< relative
   double motion = none;       ///< m/s
-  int least_substeps = 1;
-  int most_substeps = 1024;
+  int min_substeps = 1;
+  int max_substeps = 1024;
 };
 
 /// Numbers of substeps that islands get: few enough that islands alike share lanes, near enough to each other that none
@@ -29,12 +29,12 @@ inline constexpr std::array<std::uint16_t, 35> substep_rungs = {
 
 /// The substeps that an error of an island calls for.
 struct ErrorNeed {
-  int substeps = 1;      ///< with which it would be held; most_needed if with none
+  int substeps = 1;      ///< with which it would be held; max_needed_substeps if with none
   bool missed = false;   ///< it is larger than its target
   bool follows = false;  ///< so is the part of it that more substeps make less at once
 };
-inline constexpr int most_needed = 2048;
-/// The least number of substeps whose square is so large; most_needed if there is none.
+inline constexpr int max_needed_substeps = 2048;
+/// The least number of substeps whose square is so large; max_needed_substeps if there is none.
 int rung_of(double square);
 
 /// Counts the errors of an island by size. The island's error is the size that one in a hundred exceeds, as in

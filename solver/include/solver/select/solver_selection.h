@@ -60,7 +60,7 @@ class SolverSelection {
 
   /// Records, after a step of dt seconds, the bodies of islands that could not be solved at once, in any order. Time
   /// stands still for bodies that sleep.
-  void note_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake, double dt);
+  void record_failed(std::span<const std::uint32_t> failed, std::span<const std::uint8_t> awake, double dt);
 
   /// The last result for a body's island. It is kept from step to step.
   struct Finding {
@@ -74,7 +74,7 @@ class SolverSelection {
   void restore(std::uint32_t body, const Finding& finding);
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(findings_, failed_, modes_, joined_, landings_, on_system_, refused_); }
+  auto arrays() const { return std::tie(findings_, failed_, modes_, joined_, landings_, is_on_system_, refused_); }
 
  private:
   void find_landings(const LoadInput& input);
@@ -83,7 +83,7 @@ class SolverSelection {
   bool is_joined(std::size_t island) const;
   SolveMode mode_by_load(const LoadInput& input, std::size_t island);
   bool is_machine(const LoadInput& input, std::size_t island);
-  bool is_pressed(const LoadInput& input, std::size_t island);
+  bool is_pushed_on(const LoadInput& input, std::size_t island);
 
   // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
   // into one of the two lists, or this doesn't compile.
@@ -92,12 +92,12 @@ class SolverSelection {
     static_cast<void>(findings);
   }
 
-  jobs::CompactArray<Finding> findings_;        // by body
-  jobs::CompactArray<std::uint32_t> failed_;    // bodies that are swept for some time, in order
-  jobs::CompactArray<std::size_t> landings_;    // islands in which something lands
-  jobs::CompactArray<std::size_t> joined_;      // islands that are solved at once for the sake of their joints
-  jobs::CompactArray<std::uint8_t> on_system_;  // by body of an island
-  jobs::CompactArray<SolveMode> modes_;         // by island
+  jobs::CompactArray<Finding> findings_;           // by body
+  jobs::CompactArray<std::uint32_t> failed_;       // bodies that are swept for some time, in order
+  jobs::CompactArray<std::size_t> landings_;       // islands in which something lands
+  jobs::CompactArray<std::size_t> joined_;         // islands that are solved at once for the sake of their joints
+  jobs::CompactArray<std::uint8_t> is_on_system_;  // by body of an island
+  jobs::CompactArray<SolveMode> modes_;            // by island
   jobs::CompactArray<Refused> refused_;
 };
 

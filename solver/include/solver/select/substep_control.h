@@ -28,7 +28,7 @@ class SubstepControl {
   /// The state by body that is kept from step to step.
   struct History {
     std::uint16_t substeps = 0;  ///< of the last step that its island took; 0: none yet
-    std::uint16_t most = 0;      ///< largest need in the time looked at
+    std::uint16_t max = 0;       ///< largest need in the time looked at
     std::uint16_t asked = 0;     ///< need by the errors at the last step's end
     std::uint16_t needed = 0;    ///< need as that step began
     float looked_at = 0;         ///< s
@@ -91,8 +91,8 @@ class SubstepControl {
   ErrorNeed overlap_of_large(const ErrorInput& input, const ErrorTarget& target, std::size_t island,
                              jobs::Arena& arena);
   void decide(const ErrorInput& input, const ErrorTarget& target, std::size_t island);
-  void note_residuals(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);
-  void note_motion(const ErrorInput& input, const ErrorTarget& target);
+  void record_residuals(const ErrorInput& input, const ErrorTarget& target, std::span<const double> residuals);
+  void record_motion(const ErrorInput& input, const ErrorTarget& target);
 
   // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
   // into one of the two lists, or this doesn't compile.

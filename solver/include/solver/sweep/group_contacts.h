@@ -50,7 +50,7 @@ class GroupContacts {
   /// Start recording the contacts that push in some substep, and their total impulse. It is recorded by block, and
   /// reported by slot in the end, see SolveInput::pushed.
   void begin_pushes();
-  void note_pushes(std::size_t begin, std::size_t end);
+  void record_pushes(std::size_t begin, std::size_t end);
   void add_impulses(std::size_t begin, std::size_t end);  ///< once a substep, when they are final
   void tell_pushes(float* by_slot) const;
 
@@ -72,6 +72,6 @@ class GroupContacts {
 };
 
 /// Sets the surface effects of touching pairs in this step. Returns true if any is more than plain friction.
-bool note_surfaces(const SolveInput& input, const IslandGroup& group);
+bool update_surface_contacts(const SolveInput& input, const IslandGroup& group);
 
 }  // namespace atl::solver

@@ -76,12 +76,12 @@ class GroupJoints {
   /// Adds springs, servos and armatures to the rows, after Kernels::refresh_rows.
   void add_springs(const JointStep& step, std::size_t begin, std::size_t end);
   /// Records the rates before the forces of a substep.
-  void note_rates(const JointStep& step, std::size_t begin, std::size_t end);
+  void record_rates(const JointStep& step, std::size_t begin, std::size_t end);
   /// True if some coordinate may bounce at the end of its range.
   bool may_bounce() const { return may_bounce_; }
   /// Finds the coordinates that will bounce in this substep, once forces and warm start are applied. Returns true if
   /// any.
-  bool note_impacts(const JointStep& step, std::size_t begin, std::size_t end);
+  bool record_impacts(const JointStep& step, std::size_t begin, std::size_t end);
   /// Switches all blocks such that sweeps without a bias make these coordinates bounce. The impulses of those sweeps
   /// are dropped at the end, since the next substep has no part in them.
   void begin_bounces();

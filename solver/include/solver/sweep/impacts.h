@@ -25,7 +25,7 @@ class Impacts {
  public:
   /// Starts a step, once blocks are prepared. `body_count` is 0 if nothing may bounce.
   void begin_step(std::size_t body_count, std::size_t block_count);
-  /// Solves the impacts of a substep, after Kernels::note_approaches.
+  /// Solves the impacts of a substep, after Kernels::find_approaches.
   void solve(const ContactKernelData& data, Friction friction);
 
   /// See jobs/arrays.h.

@@ -50,7 +50,7 @@ class JoinedMotion {
   Vector3 acceleration(std::size_t body) const { return components_[component_[body]].acceleration; }
 
   /// Takes in what accelerates the bodies in this step.
-  void note_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
+  void record_forces(std::span<const std::uint32_t> body_ids, const BodyTable& bodies, const Vector3& gravity);
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(component_, components_, direct_, number_); }

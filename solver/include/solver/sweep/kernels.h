@@ -99,7 +99,7 @@ struct Kernels {
   float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
   /// Finds, before the forces of a substep, the contacts with bouncy points that close faster than the threshold and
   /// may meet in it.
-  void (*note_approaches)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  void (*find_approaches)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Writes impulses back to the manifolds.
   void (*store)(const ContactKernelData& data, std::size_t begin, std::size_t end);
 

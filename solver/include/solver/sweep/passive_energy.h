@@ -39,7 +39,7 @@ class PassiveEnergy {
     std::size_t island;
     bool overlaps;           // which is all that it is watched for
     bool stores;             // some joint has energy of its own
-    double most;             // J, as its step may end
+    double max;              // J, as its step may end
     double height;           // J, in forces on its bodies, as it began; if it overlaps
     double moving, springs;  // J, of motion and in springs and servos, as it began
     std::size_t first, end;  // of its bodies that are watched

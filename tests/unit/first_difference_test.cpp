@@ -31,7 +31,7 @@ void record(const TemporaryFile& file, std::int64_t steps, const WorldDef& def,
 }
 
 // One bit of one number, in the middle of a long run.
-TEST(Parting, AFlippedBitIsFoundInItsStepAndBody) {
+TEST(FirstDifference, AFlippedBitIsFoundInItsStepAndBody) {
   constexpr std::int64_t steps = 10000, flipped = 4321;
   const TemporaryFile plain(".a.recording"), other(".b.recording");
   record(plain, steps, {});
@@ -42,36 +42,36 @@ TEST(Parting, AFlippedBitIsFoundInItsStepAndBody) {
     velocity.x() = std::bit_cast<double>(std::bit_cast<std::uint64_t>(velocity.x()) ^ 1);
     world.set_velocity(body, velocity, world.angular_velocity(body));
   });
-  const PartingResult found = find_parting(plain.path(), other.path());
+  const FirstDifferenceResult found = find_first_difference(plain.path(), other.path());
   EXPECT_EQ(found.steps, steps);
   EXPECT_LE(found.replays, 14);
-  ASSERT_TRUE(found.parting.has_value());
-  EXPECT_EQ(found.parting->step, flipped);
-  EXPECT_TRUE(found.parting->by_calls);
-  ASSERT_EQ(found.parting->bodies.size(), 1u);
-  EXPECT_EQ(found.parting->bodies.front().id.index, 3u);
+  ASSERT_TRUE(found.difference.has_value());
+  EXPECT_EQ(found.difference->step, flipped);
+  EXPECT_TRUE(found.difference->by_calls);
+  ASSERT_EQ(found.difference->bodies.size(), 1u);
+  EXPECT_EQ(found.difference->bodies.front().id.index, 3u);
   // How far it may move within its bounds follows from that.
-  EXPECT_EQ(found.parting->bodies.front().parts, (std::vector<std::string>{"velocity", "bounds"}));
+  EXPECT_EQ(found.difference->bodies.front().parts, (std::vector<std::string>{"velocity", "bounds"}));
 }
 
 // Settings are no body's, and change what a step comes to only once there is something to solve.
-TEST(Parting, OtherSettingsShowInTheSolve) {
+TEST(FirstDifference, OtherSettingsShowInTheSolve) {
   const TemporaryFile plain(".a.recording"), other(".b.recording");
   record(plain, 100, {});
   record(other, 100, {}, [](World& world, std::int64_t step) {
     if (step == 50) world.set_settings({.iterations = 3});
   });
-  const PartingResult found = find_parting(plain.path(), other.path());
-  ASSERT_TRUE(found.parting.has_value());
-  EXPECT_EQ(found.parting->step, 50);
-  EXPECT_TRUE(found.parting->by_calls);
-  EXPECT_GE(found.parting->bodies_step, 50);
-  EXPECT_EQ(found.parting->phase, Phase::SolveIslands);
-  EXPECT_FALSE(found.parting->bodies.empty());
+  const FirstDifferenceResult found = find_first_difference(plain.path(), other.path());
+  ASSERT_TRUE(found.difference.has_value());
+  EXPECT_EQ(found.difference->step, 50);
+  EXPECT_TRUE(found.difference->by_calls);
+  EXPECT_GE(found.difference->bodies_step, 50);
+  EXPECT_EQ(found.difference->phase, Phase::SolveIslands);
+  EXPECT_FALSE(found.difference->bodies.empty());
 }
 
 // The recordings differ in something outside the state's hash, here another contact modifier.
-TEST(Parting, PhasesAreToldOfWhatAStepDoes) {
+TEST(FirstDifference, PhasesAreToldOfWhatAStepDoes) {
   const TemporaryFile plain(".a.recording"), other(".b.recording");
   const auto with = [](double friction) {
     return [friction](World& world, std::int64_t step) {
@@ -81,22 +81,22 @@ TEST(Parting, PhasesAreToldOfWhatAStepDoes) {
   };
   record(plain, 200, {}, with(0.5));
   record(other, 200, {}, with(0.4));
-  const PartingResult found = find_parting(plain.path(), other.path(), {.threads = 2});
-  ASSERT_TRUE(found.parting.has_value());
-  EXPECT_FALSE(found.parting->by_calls);
-  EXPECT_EQ(found.parting->phase, Phase::SolveIslands);
-  EXPECT_FALSE(found.parting->bodies.empty());
+  const FirstDifferenceResult found = find_first_difference(plain.path(), other.path(), {.threads = 2});
+  ASSERT_TRUE(found.difference.has_value());
+  EXPECT_FALSE(found.difference->by_calls);
+  EXPECT_EQ(found.difference->phase, Phase::SolveIslands);
+  EXPECT_FALSE(found.difference->bodies.empty());
 }
 
-TEST(Parting, ThereIsNoneOfThreadsAndInstructionSets) {
+TEST(FirstDifference, ThereIsNoneOfThreadsAndInstructionSets) {
   const TemporaryFile plain(".a.recording"), other(".b.recording");
   record(plain, 60, {});
   record(other, 80, {.threads = 2, .settings = {.simd = Simd::Portable}});
-  const PartingResult found = find_parting(plain.path(), other.path());
-  EXPECT_FALSE(found.parting.has_value());
+  const FirstDifferenceResult found = find_first_difference(plain.path(), other.path());
+  EXPECT_FALSE(found.difference.has_value());
   EXPECT_EQ(found.steps, 60);
   EXPECT_EQ(found.replays, 0);
-  expect_error([&] { find_parting(plain.path(), "/nowhere"); }, {"replay: /nowhere: "});
+  expect_error([&] { find_first_difference(plain.path(), "/nowhere"); }, {"replay: /nowhere: "});
 }
 
 }  // namespace

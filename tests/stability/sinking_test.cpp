@@ -10,13 +10,13 @@
 
 #include "support/bodies.h"
 
-namespace atl::test::pressed_through_test {
+namespace atl::test::sinking_test {
 namespace {
 
 struct Random {
   std::mt19937_64 bits;
-  double uniform(double least, double most) {
-    return least + (most - least) * std::ldexp(static_cast<double>(bits() >> 11), -53);
+  double uniform(double min, double max) {
+    return min + (max - min) * std::ldexp(static_cast<double>(bits() >> 11), -53);
   }
 };
 
@@ -83,4 +83,4 @@ TEST(PressedThrough, NoColumnThatLandsOnHills) {
 }
 
 }  // namespace
-}  // namespace atl::test::pressed_through_test
+}  // namespace atl::test::sinking_test

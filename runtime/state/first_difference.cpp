@@ -1,7 +1,7 @@
 // Finds the step at which two recordings diverge.
 
 #include <atoll/error.h>
-#include <atoll/parting.h>
+#include <atoll/first_difference.h>
 #include <features/with_recording.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void take_to(Replay& replay, const std::string& path, std::int64_t step) {
   while (replay.result().steps < step && replay.advance()) {
   }
   if (const auto& divergence = replay.result().divergence) {
-    throw Error("find_parting: " + path + " comes to other states here than it holds, from step " +
+    throw Error("find_first_difference: " + path + " comes to other states here than it holds, from step " +
                 std::to_string(divergence->step) + " on; expected a recording that is replayed to the same bits");
   }
 }
@@ -63,37 +63,38 @@ Phase differing_phase(const StepReport& a, const StepReport& b, const std::vecto
 
 }  // namespace
 
-PartingResult find_parting(const std::string& first, const std::string& second, const PartingOptions& options) {
-  if constexpr (!with_recording) throw_left_out("find_parting is called", "recordings", "RECORDING");
+FirstDifferenceResult find_first_difference(const std::string& first, const std::string& second,
+                                            const FirstDifferenceOptions& options) {
+  if constexpr (!with_recording) throw_left_out("find_first_difference is called", "recordings", "RECORDING");
   const std::vector<std::uint64_t> a = recorded_hashes(first), b = recorded_hashes(second);
-  PartingResult result{.steps = static_cast<std::int64_t>(std::min(a.size(), b.size())) - 1};
+  FirstDifferenceResult result{.steps = static_cast<std::int64_t>(std::min(a.size(), b.size())) - 1};
   // Ahead of the first step there may be a hash or none.
   const auto common = static_cast<std::ptrdiff_t>(result.steps) + 1;
   const auto parted = std::mismatch(a.begin() + 1, a.begin() + common, b.begin() + 1).first;
   if (parted == a.begin() + common) return result;
 
-  Parting parting{.step = parted - a.begin()};
+  FirstDifference difference{.step = parted - a.begin()};
   const ReplayOptions machine{.threads = options.threads, .simd = options.simd};
   Replay one(first, machine), other(second, machine);
   result.replays = 2;
-  take_to(one, first, parting.step - 1);
-  take_to(other, second, parting.step - 1);
+  take_to(one, first, difference.step - 1);
+  take_to(other, second, difference.step - 1);
   one.make_calls();
   other.make_calls();
   const auto compare = [&] { return differing_bodies(one.bodies(), other.bodies()); };
-  parting.by_calls = one.world().state_hash() != other.world().state_hash();
-  parting.bodies = compare();
+  difference.by_calls = one.world().state_hash() != other.world().state_hash();
+  difference.bodies = compare();
   // If the bodies don't differ yet, the first later step after which some do gives the bodies and the phase.
-  while (parting.bodies.empty() && one.advance() && other.advance()) {
-    parting.bodies = compare();
-    parting.phase = differing_phase(one.report(), other.report(), parting.bodies);
+  while (difference.bodies.empty() && one.advance() && other.advance()) {
+    difference.bodies = compare();
+    difference.phase = differing_phase(one.report(), other.report(), difference.bodies);
   }
-  if (parting.bodies.empty()) {
-    parting.phase.reset();
+  if (difference.bodies.empty()) {
+    difference.phase.reset();
   } else {
-    parting.bodies_step = std::max(parting.step, one.result().steps);
+    difference.bodies_step = std::max(difference.step, one.result().steps);
   }
-  result.parting = std::move(parting);
+  result.difference = std::move(difference);
   return result;
 }
 

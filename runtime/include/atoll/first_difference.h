@@ -11,13 +11,13 @@
 
 namespace atl {
 
-struct PartingOptions {
+struct FirstDifferenceOptions {
   int threads = 1;  ///< workers of each replay, in [1, 1024]
   Simd simd = Simd::Auto;
 };
 
 /// The point at which two runs diverge.
-struct Parting {
+struct FirstDifference {
   std::int64_t step = 0;  ///< the first after which their states differ
   bool by_calls = false;  ///< whether calls ahead of that step made them differ; else the step itself did
   /// The first step after which bodies differ: `step`, or a later one where what differs first is none of theirs, as
@@ -29,10 +29,10 @@ struct Parting {
   std::vector<ReplayedBody> bodies = {};  ///< that differ then, in order of ids, and in what
 };
 
-struct PartingResult {
-  std::optional<Parting> parting = {};  ///< none if they are the same as far as both go
-  std::int64_t steps = 0;               ///< that both have
-  int replays = 0;                      ///< that were made to find out
+struct FirstDifferenceResult {
+  std::optional<FirstDifference> difference = {};  ///< none if they are the same as far as both go
+  std::int64_t steps = 0;                          ///< that both have
+  int replays = 0;                                 ///< that were made to find out
 };
 
 /// Finds the first step in which two recordings differ, by the hashes that they hold, replays both up to there, and
@@ -40,6 +40,7 @@ struct PartingResult {
 ///
 /// Throws Error as replay() does; and if a recording doesn't come to its own hashes when it is replayed here, saying
 /// from which step on.
-PartingResult find_parting(const std::string& first, const std::string& second, const PartingOptions& options = {});
+FirstDifferenceResult find_first_difference(const std::string& first, const std::string& second,
+                                            const FirstDifferenceOptions& options = {});
 
 }  // namespace atl
