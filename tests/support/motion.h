@@ -1,5 +1,5 @@
 #pragma once
-/// What a world's bodies carry, by the audit, which shares no code with the solver or with mechanisms.
+/// The momentum and energy of a world's bodies, by the audit, which shares no code with the solver or with mechanisms.
 
 #include <atoll/atoll.h>
 #include <atoll/errors.h>

@@ -66,7 +66,7 @@ TEST_P(BallServos, SwingToTheTargetAboutAnyAxis) {
   }
 }
 
-// Of unequal moments, tumbling over half a turn from the target and back.
+// A body with unequal moments tumbles over half a turn from the target and back.
 TEST_P(BallServos, GainNoEnergy) {
   constexpr double stiffness = 0.2;
   const Quaternion target = about(Vector3(1, 2, -1).normalized(), 2.5);

@@ -273,7 +273,7 @@ TEST(JointCoordinate, RotationsAreTheAxisTimesTheAngle) {
     for (int part = 0; part < 3; ++part) {
       const JointRow row = rotation_about(frames, part);
       EXPECT_NEAR(row.value, angle * axis[part], 1e-12);
-      // What acts along the three is a torque along their sum.
+      // Forces along the three add up to a torque along their sum.
       EXPECT_NEAR(row.angular_first.dot(frames.axes_first * axis), axis[part], 1e-9);
     }
   }

@@ -170,7 +170,7 @@ struct ConeTwistJoint {
   bool operator==(const ConeTwistJoint&) const = default;
 };
 
-/// What the three turns of a SixDofJoint are.
+/// The coordinates that the three turns of a SixDofJoint are.
 enum class SixDofTurns : std::uint8_t {
   /// Twice the vector part of the relative quaternion: the axis times twice the sine of half the angle, which is the
   /// rotation vector in rad to second order (0.4% less at 18 degrees, 10% less at 90), and grows up to half a turn,
@@ -181,8 +181,8 @@ enum class SixDofTurns : std::uint8_t {
   /// Angles of three hinges, each of which carries the next, rad: about the first frame's x axis, the y axis as turned
   /// by that, and the z axis as turned by both, which is the second frame's (Cardan angles, a gimbal). The one in the
   /// middle is in [-pi/2, pi/2], as ends of its range are, and the others are counted over full turns as a hinge's is.
-  /// What acts along those fades within 14 degrees of the ends of the middle one, where the two are about one axis, and
-  /// is gone there.
+  /// Forces along those fade within 14 degrees of the ends of the middle one, where the two are about one axis, and are
+  /// gone there.
   AnglesXYZ,
   AnglesXZY,  ///< likewise, about x, then z, and then y: turn[2] is the one in the middle
 };
