@@ -120,6 +120,50 @@ TEST(Energy, HeapsOfNeedlesGainNone) {
   }
 }
 
+// The most that a heap of solids gains in a step, as a part of the energy it begins with. Each falls from its own
+// height; masses range over up to six decades. With `turns`, contacts are solved by each method in turn.
+double gain_of_heap(std::uint32_t seed, ContactSolver solver, bool turns) {
+  World world({.settings = {.contact_solver = solver}});
+  world.add_body(ground());
+  Random random(seed);
+  const double decades = random.real(0, 6);
+  const int count = 3 + static_cast<int>(random.below(12));
+  std::vector<BodyId> ids;
+  for (int i = 0; i < count; ++i) {
+    BodyDef body =
+        random.chance(0.3) ? sphere({}, random.real(0.2, 0.5)) : box({}, Vector3::Constant(random.real(0.2, 0.5)));
+    body.position = {random.real(-0.3, 0.3), random.real(-0.3, 0.3), 0.9 + 1.75 * i};
+    if (random.chance(0.5)) body.orientation = random.rotation();
+    body.density = 1000 * std::pow(10, random.real(0, decades));
+    ids.push_back(world.add_body(body));
+  }
+  const double start = mechanical_energy(world, ids);
+  double before = start, gained = 0;
+  for (int i = 0; i < 300; ++i) {
+    if (turns && i % 15 == 14) {
+      Settings settings = world.settings();
+      settings.contact_solver = i / 15 % 2 == 0 ? ContactSolver::Direct : ContactSolver::Iterative;
+      world.set_settings(settings);
+    }
+    world.step(dt);
+    const double now = mechanical_energy(world, ids);
+    gained = std::max(gained, now - before);
+    before = now;
+  }
+  return gained / start;
+}
+
+// An impulse that stopped a heavy body in one substep would, carried over into the next, throw what lies beneath it: a
+// fifth of 400 such heaps gained more than 2% in a step of sweeps, and one 44% at the defaults.
+TEST(Energy, HeapsOfUnequalMassesGainNone) {
+  for (std::uint32_t seed = 0; seed < (long_tests() ? 400u : 60u); ++seed) {
+    EXPECT_LT(gain_of_heap(seed, ContactSolver::Iterative, false), 0.02) << "seed " << seed;
+    EXPECT_LT(gain_of_heap(seed, ContactSolver::Direct, false), 0.02) << "seed " << seed;
+    EXPECT_LT(gain_of_heap(seed, ContactSolver::Auto, false), 0.02) << "seed " << seed;
+    EXPECT_LT(gain_of_heap(seed, ContactSolver::Direct, true), 0.02) << "seed " << seed;
+  }
+}
+
 // What was put into one place is pushed apart, and is then as slow as it was.
 TEST(Energy, BodiesInOnePlaceGainNone) {
   for (const int count : {2, 30, 300}) {

@@ -137,6 +137,9 @@ inline constexpr double energy_tolerance = 1e-3;
 /// The same of what an island with swept joints may add in a step. Of 3000 random mechanisms 2 grow by a twentieth in
 /// five seconds with ten times as much, none with this or a tenth.
 inline constexpr double held_tolerance = 1e-4;
+/// Rounds in which carried impulses are scaled after an impact, each contact by its own share. With one the worst of
+/// 400 heaps of unequal masses gains 5% in a step, with two and more 1%, without any 44%.
+inline constexpr int fitting_rounds = 2;
 /// m/s: closing gaps gives joined bodies no more kinetic energy than their mass has at this speed. Of 6000 random
 /// mechanisms one explodes without it, none with it.
 inline constexpr double max_closing_speed = 3;

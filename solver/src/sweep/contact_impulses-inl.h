@@ -20,31 +20,67 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using namespace jobs::HWY_NAMESPACE;
 
+// All that contacts push with: along and about the normal and the tangents.
+struct CarriedImpulse {
+  V push = zero();
+  V f1, f2;  // friction
+  V twist;
+  V about1 = zero(), about2 = zero();
+
+  HWY_INLINE CarriedImpulse(const ContactBlock& block, const SurfaceBlock* surface, std::size_t lane) {
+    for (std::size_t i = 0; i < max_points; ++i) {
+      const V impulse = load(block.normal_impulse[i] + lane);
+      push = hn::Add(push, impulse);
+      about1 = hn::Add(about1, hn::Mul(impulse, load(block.y[i] + lane)));
+      about2 = hn::Sub(about2, hn::Mul(impulse, load(block.x[i] + lane)));
+    }
+    f1 = load(block.friction_impulse[0] + lane);
+    f2 = load(block.friction_impulse[1] + lane);
+    twist = load(block.torsional_impulse + lane);
+    if (surface == nullptr) return;
+    about1 = hn::Add(about1, load(surface->rolling_impulse[0] + lane));
+    about2 = hn::Add(about2, load(surface->rolling_impulse[1] + lane));
+  }
+
+  template <MovableSides movable>
+  HWY_INLINE V3 linear(const ContactLanes<movable>& c) const {
+    return push * c.normal + (f1 * c.tangent1 + f2 * c.tangent2);
+  }
+  template <MovableSides movable>
+  HWY_INLINE V3 angular(const ContactLanes<movable>& c) const {
+    return twist * c.normal + (about1 * c.tangent1 + about2 * c.tangent2);
+  }
+
+  // The work against the motion that there is as the step begins, and that of surfaces.
+  HWY_INLINE V work_at_start(const ContactBlock& block, const SurfaceBlock* surface, std::size_t lane) const {
+    V slip1 = load(block.start_tangent[0] + lane), slip2 = load(block.start_tangent[1] + lane);
+    V spin = load(block.start_tangent[2] + lane);
+    V spin1 = load(block.start_normal[1] + lane), spin2 = load(block.start_normal[2] + lane);
+    if (surface != nullptr) {
+      slip1 = hn::Add(slip1, load(surface->slip[0] + lane));
+      slip2 = hn::Add(slip2, load(surface->slip[1] + lane));
+      spin = hn::Add(spin, load(surface->spin[2] + lane));
+      spin1 = hn::Add(spin1, load(surface->spin[0] + lane));
+      spin2 = hn::Add(spin2, load(surface->spin[1] + lane));
+    }
+    const V turning = hn::Add(hn::Mul(twist, spin), hn::Add(hn::Mul(about1, spin1), hn::Mul(about2, spin2)));
+    const V rubbing = hn::Add(hn::Mul(f1, slip1), hn::Mul(f2, slip2));
+    return hn::Add(hn::Add(hn::Mul(push, load(block.start_normal[0] + lane)), rubbing), turning);
+  }
+};
+
+HWY_INLINE const SurfaceBlock* surface_of(const ContactKernelData& data, std::size_t block) {
+  return with_surfaces && data.surface_blocks != nullptr ? &data.surface_blocks[block] : nullptr;
+}
+
 template <MovableSides movable>
 void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = data.blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
-      V sum = zero();
-      V sum_y = zero();
-      V sum_minus_x = zero();
-      for (std::size_t i = 0; i < max_points; ++i) {
-        const V impulse = load(block.normal_impulse[i] + lane);
-        sum = hn::Add(sum, impulse);
-        sum_y = hn::Add(sum_y, hn::Mul(impulse, load(block.y[i] + lane)));
-        sum_minus_x = hn::Sub(sum_minus_x, hn::Mul(impulse, load(block.x[i] + lane)));
-      }
-      const V f1 = load(block.friction_impulse[0] + lane);
-      const V f2 = load(block.friction_impulse[1] + lane);
-      const V twist = load(block.torsional_impulse + lane);
-      if (with_surfaces && data.surface_blocks != nullptr) {
-        const SurfaceBlock& surface = data.surface_blocks[b];
-        sum_y = hn::Add(sum_y, load(surface.rolling_impulse[0] + lane));
-        sum_minus_x = hn::Add(sum_minus_x, load(surface.rolling_impulse[1] + lane));
-      }
-      apply(c, sum * c.normal + (f1 * c.tangent1 + f2 * c.tangent2),
-            twist * c.normal + (sum_y * c.tangent1 + sum_minus_x * c.tangent2));
+      const CarriedImpulse carried(block, surface_of(data, b), lane);
+      apply(c, carried.linear(c), carried.angular(c));
       store_contact_bodies(c, data, block, lane);
     }
   }
@@ -53,6 +89,86 @@ void warm_start_by(const ContactKernelData& data, std::size_t begin, std::size_t
 inline void warm_start(const ContactKernelData& data, std::size_t begin, std::size_t end) {
   if (data.bodies.locks.empty()) return warm_start_by<MovableSides::Both>(data, begin, end);
   warm_start_by<MovableSides::Locked>(data, begin, end);
+}
+
+HWY_INLINE bool any_struck(const ContactBlock& block, const std::uint8_t* struck) {
+  unsigned any = 0;
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) any |= struck[block.first[lane]] | struck[block.second[lane]];
+  return any != 0;
+}
+
+// Scaled by s, a contact's impulses do work linear s against the free motion, and half of `gained` s^2 against what all
+// impulses change it by.
+inline float find_fitting(const ContactKernelData& data, const std::uint8_t* struck, FittingBlock* fitting,
+                          std::size_t begin, std::size_t end) {
+  V least = splat(1);
+  for (std::size_t b = begin; b < end; ++b) {
+    const ContactBlock& block = data.blocks[b];
+    fitting[b].any = any_struck(block, struck);
+    if (!fitting[b].any) continue;
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      const ContactLanes<> c = load_contacts<>(data, block, lane);
+      ContactLanes<> free = c;
+      const FreeVelocityRows* rows = data.bodies.free_velocity.data();
+      const auto load_free = [&](const std::int32_t* index, BodyLanes& body) {
+        const V4 v = load_rows([=](std::size_t k) { return rows[index[k]].linear; });
+        const V4 w = load_rows([=](std::size_t k) { return rows[index[k]].angular; });
+        body.v = {v.x, v.y, v.z};
+        body.w = {w.x, w.y, w.z};
+      };
+      load_free(block.first + lane, free.first);
+      load_free(block.second + lane, free.second);
+      const SurfaceBlock* const surface = surface_of(data, b);
+      const CarriedImpulse carried(block, surface, lane);
+      const V3 push = carried.linear(c), twist = carried.angular(c);
+      const V3 velocity = gained_velocity(free), spin = gained_spin(free);
+      const V linear =
+          hn::Add(carried.work_at_start(block, surface, lane), hn::Add(dot(push, velocity), dot(twist, spin)));
+      const V gained = hn::Add(dot(push, gained_velocity(c) - velocity), dot(twist, gained_spin(c) - spin));
+      const M costs = hn::And(hn::Gt(gained, zero()), hn::Gt(hn::Add(linear, hn::Mul(splat(0.5f), gained)), zero()));
+      const V best = hn::Div(hn::Neg(linear), hn::IfThenElse(costs, gained, splat(1)));
+      const V scale = hn::IfThenElse(costs, hn::Max(hn::Min(best, splat(1)), zero()), splat(1));
+      store(scale, fitting[b].scale + lane);
+      least = hn::Min(least, scale);
+    }
+  }
+  return hn::GetLane(hn::MinOfLanes(D(), least));
+}
+
+template <MovableSides movable>
+void fit_impulses_by(const ContactKernelData& data, const FittingBlock* fitting, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    if (!fitting[b].any) continue;
+    ContactBlock& block = data.blocks[b];
+    for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
+      const V scale = load(fitting[b].scale + lane);
+      const M scaled = hn::Lt(scale, splat(1));
+      if (hn::AllFalse(D(), scaled)) continue;
+      ContactLanes<movable> c = load_contacts<movable>(data, block, lane);
+      const CarriedImpulse carried(block, surface_of(data, b), lane);
+      const V back = hn::IfThenElseZero(scaled, hn::Sub(scale, splat(1)));
+      apply(c, back * carried.linear(c), back * carried.angular(c));
+      // Other lanes stay as they are, to the sign of a zero.
+      unsigned lanes_scaled = 0;
+      for (std::size_t k = 0; k < lanes; ++k) lanes_scaled |= (fitting[b].scale[lane + k] < 1 ? 1u : 0u) << k;
+      if constexpr (first_moves<movable>)
+        store_bodies(c.first, data.bodies, static_cast<unsigned>(block.write_first) >> lane & lanes_scaled);
+      if constexpr (second_moves<movable>)
+        store_bodies(c.second, data.bodies, static_cast<unsigned>(block.write_second) >> lane & lanes_scaled);
+      const auto fit = [&](float* impulses) { store(hn::Mul(scale, load(impulses + lane)), impulses + lane); };
+      for (auto& of_point : block.normal_impulse) fit(of_point);
+      for (auto& of_axis : block.friction_impulse) fit(of_axis);
+      fit(block.torsional_impulse);
+      if (!with_surfaces || data.surface_blocks == nullptr) continue;
+      for (auto& of_axis : data.surface_blocks[b].rolling_impulse) fit(of_axis);
+    }
+  }
+}
+
+inline void fit_impulses(const ContactKernelData& data, const FittingBlock* fitting, std::size_t begin,
+                         std::size_t end) {
+  if (data.bodies.locks.empty()) return fit_impulses_by<MovableSides::Both>(data, fitting, begin, end);
+  fit_impulses_by<MovableSides::Locked>(data, fitting, begin, end);
 }
 
 // Impulses of points, by the manifold's numbers.

@@ -171,6 +171,23 @@ void GroupContacts::clear_impulses(const GroupReport& report) {
 
 void GroupContacts::clear_split_impulses() { std::fill_n(split_blocks_.begin(), block_count(), SplitBlock{}); }
 
+void GroupContacts::begin_fitting(std::size_t body_count) {
+  struck_.resize(body_count);
+  if (fitting_.size() < block_count()) fitting_.resize(block_count());
+}
+
+bool GroupContacts::find_struck(const SolverBodies& bodies, float speed, std::size_t begin, std::size_t end) {
+  unsigned any = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const float* const now = bodies.velocity[i].linear;
+    const float* const free = bodies.free_velocity[i].linear;
+    const float x = now[0] - free[0], y = now[1] - free[1], z = now[2] - free[2];
+    struck_[i] = x * x + y * y + z * z > speed * speed;
+    any |= struck_[i];
+  }
+  return any != 0;
+}
+
 bool update_surface_contacts(const SolveInput& input, const IslandGroup& group) {
   if (!with_surfaces || input.surface_contacts == nullptr) return false;
   bool any = input.settings.everything;

@@ -35,6 +35,7 @@ class GroupPass {
   void record_speeds();
   void integrate_velocities(bool carries);
   void warm_start(int number);
+  void fit_impulses();
   void solve_velocities(int number, bool carries);
   void solve_systems(int number);
   void split_off_corrections(int number);
@@ -207,9 +208,34 @@ void GroupPass<Executor>::warm_start(int number) {
       loops_.each_contact_colour(
           [&](std::size_t begin, std::size_t end) { setup_.kernels.warm_start(setup_.contact_data, begin, end); });
     }
+    fit_impulses();
   }
   loops_.each_system([&](DirectJoints& system) { system.begin_substep(setup_.direct_input); });
   if (setup_.sweeps_joints && parts_.joints.may_bounce()) record_joint_impacts();
+}
+
+// Impulses that are carried over fit what a substep needs, but where the one before had an impact.
+template <typename Executor>
+void GroupPass<Executor>::fit_impulses() {
+  if (setup_.block_count == 0) return;
+  LargestOf struck;
+  parts_.contacts.begin_fitting(parts_.bodies.padded_count());
+  loops_.each_body_block([&](std::size_t begin, std::size_t end) {
+    if (parts_.contacts.find_struck(parts_.bodies, setup_.struck_speed, begin, end)) struck.add(1);
+  });
+  if (struck.value() == 0) return;
+  for (int round = 0; round < tuning::fitting_rounds; ++round) {
+    LargestOf taken_back;
+    loops_.each_contact_block([&](std::size_t begin, std::size_t end) {
+      const float least = setup_.kernels.find_fitting(setup_.contact_data, parts_.contacts.struck(),
+                                                      parts_.contacts.fitting(), begin, end);
+      taken_back.add(1 - least);
+    });
+    if (taken_back.value() == 0) return;
+    loops_.each_contact_colour([&](std::size_t begin, std::size_t end) {
+      setup_.kernels.fit_impulses(setup_.contact_data, parts_.contacts.fitting(), begin, end);
+    });
+  }
 }
 
 template <typename Executor>

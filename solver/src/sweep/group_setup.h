@@ -30,6 +30,7 @@ struct GroupSetup {
         sweeps_tendons(with_joints && !parts.tendons.empty()),
         bounds_joints(sweeps_joints && relaxes),
         watches_energy(sweeps_joints || block_count > 0),
+        struck_speed(of.dt * static_cast<float>(of.gravity.norm())),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
@@ -52,6 +53,7 @@ struct GroupSetup {
   const bool sweeps_tendons;                      // between these
   const bool bounds_joints;                       // whose velocities end a substep without what pushes
   const bool watches_energy;                      // of islands that only hold, over the step
+  const float struck_speed;                       // m/s, a change by more than gravity makes in the step
   const Friction friction;
   const JointStep joint_step;
   const DirectIslandInput direct_input;

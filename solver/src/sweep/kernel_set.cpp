@@ -29,6 +29,8 @@ const Kernels& kernels() {
                                 lanes,
                                 &prepare,
                                 &warm_start,
+                                &find_fitting,
+                                &fit_impulses,
                                 &sweep,
                                 with_restitution ? &find_approaches : nullptr,
                                 &store_impulses,

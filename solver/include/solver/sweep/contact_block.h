@@ -138,6 +138,17 @@ struct alignas(64) RimBlock {
   float axis_second[3][block_lanes];
 };
 
+/// The part of their carried impulses that contacts begin a substep with, where a body was struck. Sweeps go downhill
+/// in the work that impulses do against the free motion plus the energy of the change that they make (the dual problem
+/// of Gauss's principle; Moreau, "Quadratic programming in mechanics: dynamics of one-sided constraints", SIAM Journal
+/// on Control 4, 1966). They would begin at 0 without impulses. A contact whose impulses add more than 0 is better off
+/// with less of them: after an impact they would stop again what has stopped since, and few sweeps leave the bodies
+/// some of that energy. So they are scaled to where its share of the sum is least.
+struct alignas(64) FittingBlock {
+  float scale[block_lanes];
+  bool any;  ///< some body of the block was struck; else scales are not set, and 1
+};
+
 /// Additional data of a block if overlap is removed by separate velocities (split impulse).
 struct alignas(64) SplitBlock {
   float impulse[4][block_lanes];  ///< N s, of this substep

@@ -41,10 +41,18 @@ class GroupContacts {
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
 
+  // Carried impulses after an impact: see FittingBlock.
+
+  void begin_fitting(std::size_t body_count);
+  /// Finds the bodies whose velocity carried impulses change by more than `speed`, m/s. Returns whether there are any.
+  bool find_struck(const SolverBodies& bodies, float speed, std::size_t begin, std::size_t end);
+  const std::uint8_t* struck() const { return struck_.data(); }  ///< 1, by index into SolverBodies
+  FittingBlock* fitting() { return fitting_.data(); }
+
   /// See jobs/arrays.h.
   auto arrays() const {
     return std::tie(contacts_, colouring_, blocks_, bounces_, surface_blocks_, split_blocks_, planar_blocks_,
-                    turning_blocks_, rim_blocks_, pushes_, step_impulses_);
+                    turning_blocks_, rim_blocks_, struck_, fitting_, pushes_, step_impulses_);
   }
 
   /// Start recording the contacts that push in some substep, and their total impulse. It is recorded by block, and
@@ -67,6 +75,8 @@ class GroupContacts {
   std::vector<PlanarBlock> planar_blocks_;
   std::vector<TurningBlock> turning_blocks_;
   std::vector<RimBlock> rim_blocks_;
+  std::vector<std::uint8_t> struck_;
+  std::vector<FittingBlock> fitting_;
   std::vector<std::uint8_t> pushes_;                           // a bit a lane: it has pushed, or there is no contact
   std::vector<std::array<float, block_lanes>> step_impulses_;  // N s, along the normals in this step, but for bounces
 };

@@ -94,6 +94,12 @@ struct Kernels {
   void (*prepare)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Applies the accumulated impulses.
   void (*warm_start)(const ContactKernelData& data, std::size_t begin, std::size_t end);
+  /// Once impulses have been applied, finds by how much those of contacts at `struck` bodies (1, by index into
+  /// SolverBodies) are to be scaled: see FittingBlock. Returns the least scale.
+  float (*find_fitting)(const ContactKernelData& data, const std::uint8_t* struck, FittingBlock* fitting,
+                        std::size_t begin, std::size_t end);
+  /// Takes back what such scales leave of impulses and velocities.
+  void (*fit_impulses)(const ContactKernelData& data, const FittingBlock* fitting, std::size_t begin, std::size_t end);
   /// Returns, if the sweep measures, its residual, m/s: the largest change that an impulse made to the relative speed
   /// which it is there for, at the time it was found. Spins count with the friction_radius they have at the contact.
   float (*sweep)(const ContactKernelData& data, const Sweep& sweep, std::size_t begin, std::size_t end);
