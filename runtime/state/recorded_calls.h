@@ -7,7 +7,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -22,229 +24,91 @@
 
 namespace atl::calls {
 
-// Each has fields(self), all that it was called with, and make(world), the call.
+// Arguments are kept by value.
+template <typename T>
+T keep(const T& argument) {
+  return argument;
+}
+inline std::string keep(std::string_view text) { return std::string(text); }
+inline std::vector<double> keep(std::span<const double> numbers) { return {numbers.begin(), numbers.end()}; }
+inline std::uint64_t keep(std::size_t number) { return number; }
 
-struct RemoveBody {
-  BodyId body;
-  static auto fields(auto& self) { return std::tie(self.body); }
-  void make(World& world) const { world.remove_body(body); }
-};
+template <typename... Argument>
+struct Arguments {
+  std::tuple<decltype(keep(std::declval<Argument>()))...> kept;
 
-struct SetPose {
-  BodyId body;
-  Pose pose;
-  static auto fields(auto& self) { return std::tie(self.body, self.pose); }
-  void make(World& world) const { world.set_pose(body, pose); }
-};
+  Arguments() = default;
+  explicit Arguments(Argument... given) : kept(keep(given)...) {}
 
-struct SetVelocity {
-  BodyId body;
-  Vector3 linear;
-  Vector3 angular;
-  static auto fields(auto& self) { return std::tie(self.body, self.linear, self.angular); }
-  void make(World& world) const { world.set_velocity(body, linear, angular); }
-};
-
-struct SetSurfaceVelocity {
-  BodyId body;
-  Vector3 velocity;
-  Vector3 angular;
-  static auto fields(auto& self) { return std::tie(self.body, self.velocity, self.angular); }
-  void make(World& world) const { world.set_surface_velocity(body, velocity, angular); }
-};
-
-struct ApplyForce {
-  BodyId body;
-  Vector3 force;
-  Vector3 torque;
-  static auto fields(auto& self) { return std::tie(self.body, self.force, self.torque); }
-  void make(World& world) const { world.apply_force(body, force, torque); }
-};
-
-struct ApplyImpulse {
-  BodyId body;
-  Vector3 impulse;
-  Vector3 point;
-  static auto fields(auto& self) { return std::tie(self.body, self.impulse, self.point); }
-  void make(World& world) const { world.apply_impulse(body, impulse, point); }
-};
-
-struct Wake {
-  BodyId body;
-  static auto fields(auto& self) { return std::tie(self.body); }
-  void make(World& world) const { world.wake(body); }
-};
-
-struct SetFilter {
-  BodyId body;
-  CollisionFilter filter;
-  static auto fields(auto& self) { return std::tie(self.body, self.filter); }
-  void make(World& world) const { world.set_filter(body, filter); }
-};
-
-struct SetCollisionEnabled {
-  BodyId first;
-  BodyId second;
-  bool enabled;
-  static auto fields(auto& self) { return std::tie(self.first, self.second, self.enabled); }
-  void make(World& world) const { world.set_collision_enabled(first, second, enabled); }
-};
-
-struct Release {
-  BodyId body;
-  static auto fields(auto& self) { return std::tie(self.body); }
-  void make(World& world) const { world.release(body); }
-};
-
-struct AddJoint {
-  JointDef def;
-  static auto fields(auto& self) { return std::tie(self.def); }
-  void make(World& world) const { world.add_joint(def); }
-};
-
-struct RemoveJoint {
-  JointId joint;
-  static auto fields(auto& self) { return std::tie(self.joint); }
-  void make(World& world) const { world.remove_joint(joint); }
-};
-
-struct SetJoint {
-  JointId joint;
-  JointKind kind;
-  static auto fields(auto& self) { return std::tie(self.joint, self.kind); }
-  void make(World& world) const { world.set_joint(joint, kind); }
-};
-
-struct SetMotorSpeed {
-  JointId joint;
-  double speed;
-  std::uint64_t coordinate;
-  static auto fields(auto& self) { return std::tie(self.joint, self.speed, self.coordinate); }
-  void make(World& world) const { world.set_motor_speed(joint, speed, coordinate); }
-};
-
-struct SetServoTarget {
-  JointId joint;
-  double target;
-  std::uint64_t coordinate;
-  static auto fields(auto& self) { return std::tie(self.joint, self.target, self.coordinate); }
-  void make(World& world) const { world.set_servo_target(joint, target, coordinate); }
-};
-
-struct SetJointEnabled {
-  JointId joint;
-  bool enabled;
-  static auto fields(auto& self) { return std::tie(self.joint, self.enabled); }
-  void make(World& world) const { world.set_joint_enabled(joint, enabled); }
-};
-
-struct CountTurnsFrom {
-  JointId joint;
-  double angle;
-  std::uint64_t coordinate;
-  static auto fields(auto& self) { return std::tie(self.joint, self.angle, self.coordinate); }
-  void make(World& world) const { world.count_turns_from(joint, angle, static_cast<std::size_t>(coordinate)); }
-};
-
-struct SetGravity {
-  Vector3 gravity;
-  static auto fields(auto& self) { return std::tie(self.gravity); }
-  void make(World& world) const { world.set_gravity(gravity); }
-};
-
-/// The instruction set is not of the recording but of who replays it.
-struct SetSettings {
-  Settings settings;
-  static auto fields(auto& self) { return std::tie(self.settings); }
-  void make(World& world) const {
-    Settings all = settings;
-    all.simd = world.settings().simd;
-    world.set_settings(all);
+  void pass_to(const auto& function) const {
+    std::apply([&](const auto&... one) { function(static_cast<Argument>(one)...); }, kept);
   }
 };
 
-struct SetMaterial {
-  BodyId body;
-  Material material;
-  static auto fields(auto& self) { return std::tie(self.body, self.material); }
-  void make(World& world) const { world.set_material(body, material); }
+/// One call: of a function of World, or of one that takes the world ahead of the arguments. make(world) calls it.
+template <auto function>
+struct Call;
+
+template <typename Result, typename... Argument, Result (World::*function)(Argument...)>
+struct Call<function> : Arguments<Argument...> {
+  using Arguments<Argument...>::Arguments;
+  void make(World& world) const {
+    this->pass_to([&](Argument... argument) { (world.*function)(argument...); });
+  }
 };
 
-struct SetMaterialPair {
-  MaterialPair pair;
-  static auto fields(auto& self) { return std::tie(self.pair); }
-  void make(World& world) const { world.set_material_pair(pair); }
+template <typename... Argument, void (*function)(World&, Argument...)>
+struct Call<function> : Arguments<Argument...> {
+  using Arguments<Argument...>::Arguments;
+  void make(World& world) const {
+    this->pass_to([&](Argument... argument) { function(world, argument...); });
+  }
 };
 
-struct SetMass {
-  BodyId body;
-  double mass;
-  static auto fields(auto& self) { return std::tie(self.body, self.mass); }
-  void make(World& world) const { world.set_mass(body, mass); }
-};
+/// Chooses one of several functions of World by its arguments.
+template <typename... Argument>
+constexpr auto overload(void (World::*function)(Argument...)) {
+  return function;
+}
 
-struct SetGravityScale {
-  BodyId body;
-  double scale;
-  static auto fields(auto& self) { return std::tie(self.body, self.scale); }
-  void make(World& world) const { world.set_gravity_scale(body, scale); }
-};
+/// The instruction set is not of the recording but of who replays it.
+inline void set_settings(World& world, const Settings& settings) {
+  Settings all = settings;
+  all.simd = world.settings().simd;
+  world.set_settings(all);
+}
 
-struct SetDamping {
-  BodyId body;
-  double linear;
-  double angular;
-  static auto fields(auto& self) { return std::tie(self.body, self.linear, self.angular); }
-  void make(World& world) const { world.set_damping(body, linear, angular); }
-};
-
-struct SetUserData {
-  BodyId body;
-  std::uint64_t data;
-  static auto fields(auto& self) { return std::tie(self.body, self.data); }
-  void make(World& world) const { world.set_user_data(body, data); }
-};
-
-struct SetName {
-  BodyId body;
-  std::string name;
-  static auto fields(auto& self) { return std::tie(self.body, self.name); }
-  void make(World& world) const { world.set_name(body, name); }
-};
-
-struct SetJointDefinition {
-  JointId joint;
-  JointDef def;
-  static auto fields(auto& self) { return std::tie(self.joint, self.def); }
-  void make(World& world) const { world.set_joint(joint, def); }
-};
-
-struct Refilter {
-  BodyId body;
-  static auto fields(auto& self) { return std::tie(self.body); }
-  void make(World& world) const { world.refilter(body); }
-};
-
-struct SetEnabled {
-  BodyId body;
-  bool enabled;
-  static auto fields(auto& self) { return std::tie(self.body, self.enabled); }
-  void make(World& world) const { world.set_enabled(body, enabled); }
-};
-
-struct Sleep {
-  BodyId body;
-  static auto fields(auto& self) { return std::tie(self.body); }
-  void make(World& world) const { world.sleep(body); }
-};
-
-struct SetHeights {
-  BodyId body;
-  std::uint32_t column, row, columns;
-  std::vector<double> heights;
-  static auto fields(auto& self) { return std::tie(self.body, self.column, self.row, self.columns, self.heights); }
-  void make(World& world) const { world.set_heights(body, column, row, columns, heights); }
-};
+using RemoveBody = Call<&World::remove_body>;
+using SetPose = Call<&World::set_pose>;
+using SetVelocity = Call<&World::set_velocity>;
+using SetSurfaceVelocity = Call<&World::set_surface_velocity>;
+using ApplyForce = Call<&World::apply_force>;
+using ApplyImpulse = Call<&World::apply_impulse>;
+using Wake = Call<&World::wake>;
+using SetFilter = Call<&World::set_filter>;
+using SetCollisionEnabled = Call<&World::set_collision_enabled>;
+using Release = Call<&World::release>;
+using AddJoint = Call<&World::add_joint>;
+using RemoveJoint = Call<&World::remove_joint>;
+using SetJoint = Call<overload<JointId, const JointKind&>(&World::set_joint)>;
+using SetJointEnabled = Call<&World::set_joint_enabled>;
+using SetGravity = Call<&World::set_gravity>;
+using SetSettings = Call<&set_settings>;
+using SetMaterial = Call<&World::set_material>;
+using SetMass = Call<&World::set_mass>;
+using SetGravityScale = Call<&World::set_gravity_scale>;
+using SetDamping = Call<&World::set_damping>;
+using SetUserData = Call<overload<BodyId, std::uint64_t>(&World::set_user_data)>;
+using SetName = Call<overload<BodyId, std::string_view>(&World::set_name)>;
+using Refilter = Call<&World::refilter>;
+using CountTurnsFrom = Call<&World::count_turns_from>;
+using SetEnabled = Call<&World::set_enabled>;
+using Sleep = Call<&World::sleep>;
+using SetJointDefinition = Call<overload<JointId, const JointDef&>(&World::set_joint)>;
+using SetHeights = Call<&World::set_heights>;
+using SetMaterialPair = Call<&World::set_material_pair>;
+using SetMotorSpeed = Call<&World::set_motor_speed>;
+using SetServoTarget = Call<&World::set_servo_target>;
 
 }  // namespace atl::calls
 
@@ -295,7 +159,7 @@ void visit_field(Archive& archive, Field& field) {
 
 template <typename Archive, typename Call>
 void visit_call(Archive& archive, Call& call) {
-  std::apply([&](auto&... field) { (visit_field(archive, field), ...); }, std::remove_const_t<Call>::fields(call));
+  std::apply([&](auto&... field) { (visit_field(archive, field), ...); }, call.kept);
 }
 
 /// The place of a call in RecordedCall.

@@ -71,7 +71,7 @@ std::uint64_t next_serial() {
 template <typename Call>
 void note(const auto& impl, const auto&... arguments) {
   if constexpr (with_recording) {
-    if (impl.recorder) impl.recorder->note(Call{arguments...});
+    if (impl.recorder) impl.recorder->note(Call(arguments...));
   }
 }
 
@@ -477,7 +477,7 @@ void World::set_heights(BodyId id, std::uint32_t column, std::uint32_t row, std:
   const std::uint32_t body = impl_->index_to_change(id, "set_heights");
   change_heights(impl_->stores, body, {column, row, columns}, heights);
   impl_->query_gate.note(impl_->stores.broadphase);
-  note<calls::SetHeights>(*impl_, id, column, row, columns, std::vector(heights.begin(), heights.end()));
+  note<calls::SetHeights>(*impl_, id, column, row, columns, heights);
 }
 
 void World::set_definition(BodyId id, const BodyDef& def) {
@@ -534,7 +534,7 @@ void World::set_name(BodyId id, std::string_view name) {
   const std::uint32_t body = impl_->index_to_change(id, "set_name");
   check_name("World::set_name: name", name);
   give_name(impl_->stores, body, name);
-  note<calls::SetName>(*impl_, id, std::string(name));
+  note<calls::SetName>(*impl_, id, name);
 }
 
 void World::set_poses(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
@@ -614,9 +614,9 @@ void World::refilter(BodyId id) {
 JointId World::add_joint(const JointDef& def) {
   impl_->check_idle("add_joint");
   if constexpr (with_joints) {
-    const calls::AddJoint call{def};  // that may be another joint's, which moves
-    const JointId id = atl::add_joint(impl_->stores, call.def);
-    note<calls::AddJoint>(*impl_, call.def);
+    const JointDef kept = def;  // that may be another joint's, which moves
+    const JointId id = atl::add_joint(impl_->stores, kept);
+    note<calls::AddJoint>(*impl_, kept);
     return id;
   }
   throw_left_out("World::add_joint is called", "joints", "JOINTS");
@@ -681,9 +681,9 @@ void World::set_name(JointId id, std::string_view name) {
 
 void World::set_joint(JointId id, const JointDef& def) {
   const std::uint32_t joint = impl_->index_to_change(id, "set_joint");
-  const calls::SetJointDefinition call{id, def};  // that may be the joint's own, which goes
-  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, call.def);
-  note<calls::SetJointDefinition>(*impl_, id, call.def);
+  const JointDef kept = def;  // that may be the joint's own, which goes
+  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kept);
+  note<calls::SetJointDefinition>(*impl_, id, kept);
 }
 
 void World::set_joint(JointId id, const JointKind& kind) {
@@ -712,10 +712,10 @@ JointMotor checked_motor(const char* call, const JointDef& joint, std::size_t co
 }
 
 template <typename Call>
-void drive(auto& impl, const Call& made, const JointMotor& motor, const char* call) {
-  const std::uint32_t joint = impl.index_to_change(made.joint, call);
-  if constexpr (with_joints) atl::drive(impl.stores, joint, made.coordinate, motor);
-  note<Call>(impl, made);
+void drive(auto& impl, JointId id, double value, std::size_t coordinate, const JointMotor& motor, const char* call) {
+  const std::uint32_t joint = impl.index_to_change(id, call);
+  if constexpr (with_joints) atl::drive(impl.stores, joint, coordinate, motor);
+  note<Call>(impl, id, value, coordinate);
 }
 
 }  // namespace
@@ -736,7 +736,7 @@ void World::set_motor_speed(JointId id, double speed, std::size_t coordinate) {
   check_finite("World::set_motor_speed: speed", speed);
   JointMotor motor = checked_motor(call, joint(id), coordinate, false);
   motor.speed = speed;
-  drive(*impl_, calls::SetMotorSpeed{id, speed, coordinate}, motor, "set_motor_speed");
+  drive<calls::SetMotorSpeed>(*impl_, id, speed, coordinate, motor, "set_motor_speed");
 }
 
 void World::set_servo_target(JointId id, double target, std::size_t coordinate) {
@@ -744,7 +744,7 @@ void World::set_servo_target(JointId id, double target, std::size_t coordinate) 
   check_number("World::set_servo_target: target", target);
   JointMotor motor = checked_motor(call, joint(id), coordinate, true);
   motor.servo->target = target;
-  drive(*impl_, calls::SetServoTarget{id, target, coordinate}, motor, "set_servo_target");
+  drive<calls::SetServoTarget>(*impl_, id, target, coordinate, motor, "set_servo_target");
 }
 
 void World::set_joint_enabled(JointId id, bool enabled) {
@@ -757,7 +757,7 @@ void World::count_turns_from(JointId id, double angle, std::size_t coordinate) {
   const std::uint32_t joint = impl_->index_to_change(id, "count_turns_from");
   check_number("World::count_turns_from: angle", angle);
   if constexpr (with_joints) atl::count_turns_from(impl_->stores, joint, angle, coordinate);
-  note<calls::CountTurnsFrom>(*impl_, id, angle, std::uint64_t{coordinate});
+  note<calls::CountTurnsFrom>(*impl_, id, angle, coordinate);
 }
 
 void World::share_definitions(const World& alike) {
