@@ -309,11 +309,10 @@ void SolvePhase::prepare_direct_solvers(const solver::Islands& islands) {
 bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t group, bool profile) {
   if constexpr (!solves_directly) return false;
   if (mode_of(groups_[group]) != SolveMode::Direct) return false;
-  const solver::DirectIslandInput of_island = input.of_direct_islands();
   const std::size_t place = groups_[group].begin;
   if (input.islands.contact_count(place) == 0) {
     const std::uint32_t joint = input.islands.joints(place, place + 1).front().joint;
-    if (!input.joint_systems->of(input.joint_graph->component_of(joint)).solve(of_island)) return false;
+    if (!input.joint_systems->of(input.joint_graph->component_of(joint)).solve(input)) return false;
     for (const std::uint32_t body : input.islands.bodies(place, place + 1)) {
       group_reports_[group].gyroscopic_bodies += input.bodies.gyroscopic[body];
     }
@@ -323,10 +322,10 @@ bool SolvePhase::solve_directly(const solver::SolveInput& input, std::size_t gro
   solver::DirectIsland& direct = *direct_.of_group[group];
   solver::DirectIslandReport& report = direct_.reports[group];
   const auto begin = jobs::Clock::now();
-  if (direct.analyse(of_island, groups_[group])) {
+  if (direct.analyse(input, groups_[group])) {
     solver::PassiveEnergy& energy = jobs::of_this_thread<solver::PassiveEnergy>();
     energy.begin(input, groups_[group]);
-    report = direct.solve(of_island);
+    report = direct.solve(input);
     if (report.solved) energy.bound(input);
   } else {
     report.why_not = solver::DirectIsland::too_large;

@@ -32,7 +32,7 @@ ROW_OF = {f"{layer}/{room}": row for row, (layer, rooms) in enumerate(ROWS) for 
 
 
 def room_of(path):
-    layer, *folders, name = path.relative_to(ROOT).parts
+    layer, *folders, _ = path.relative_to(ROOT).parts
     if layer == "jobs":
         return "jobs/jobs"
     if layer == "runtime":
@@ -40,8 +40,7 @@ def room_of(path):
     inner = [folder for folder in folders if folder not in ("include", "src", layer)]
     if inner:
         return f"{layer}/{inner[0]}"
-    # Headers outside folders: the input of the sweep, and tuned numbers that all rooms read.
-    return f"{layer}/sweep" if name == "solve_input.h" else f"{layer}/tuning"
+    return f"{layer}/tuning"  # headers outside folders: settings and tuned numbers, which all rooms read
 
 
 def includes():

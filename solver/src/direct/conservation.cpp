@@ -65,7 +65,7 @@ bool move_as_joined(const Joint* joints, const IslandProblem& problem) {
 }
 
 // Tells islands that only forces on their bodies give energy or take it, but for what joints do.
-bool is_closed(const DirectIslandInput& input, const IslandProblem& problem) {
+bool is_closed(const SolveInput& input, const IslandProblem& problem) {
   const BodyTable& table = input.bodies;
   for (const DirectBody& body : problem.bodies) {
     if (table.linear_damping[body.body] != 0 || table.angular_damping[body.body] != 0) return false;
@@ -116,8 +116,7 @@ double energy_of_rotors(const Joint* joints, const IslandProblem& problem) {
 }
 
 // J, of the forces on bodies, which are what they are for all of the step.
-double work_of_forces(const DirectIslandInput& input, const IslandProblem& problem,
-                      std::span<const MovingBody> bodies) {
+double work_of_forces(const SolveInput& input, const IslandProblem& problem, std::span<const MovingBody> bodies) {
   double sum = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& body = bodies[i];
@@ -173,7 +172,7 @@ double kinetic_energy(std::span<const MovingBody> bodies, const IslandProblem& p
   return 0.5 * sum;
 }
 
-Conservation::Conservation(const DirectIslandInput& input, const RowKinds& rows, const IslandProblem& problem,
+Conservation::Conservation(const SolveInput& input, const RowKinds& rows, const IslandProblem& problem,
                            std::span<const MovingBody> bodies)
     : all_locked_(rows.all_locked),
       floats_(floats(input.joints, problem)),
@@ -195,7 +194,7 @@ void Conservation::add_forces(const IslandProblem& problem, std::span<const Movi
                angular_momentum(problem, bodies, about_, problem.velocity);
 }
 
-void Conservation::restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool resolved,
+void Conservation::restore(const SolveInput& input, std::span<const MovingBody> bodies, bool resolved,
                            IslandProblem& problem) const {
   const bool scales = keeps_energy_ && resolved;
   if (!floats_ && !scales) return;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_problem.h>
 #include <solver/direct/moving_bodies.h>
+#include <solver/direct/solve_input.h>
 
 #include <span>
 #include <vector>
@@ -23,14 +23,14 @@ class Conservation {
  public:
   Conservation() = default;
   /// Notes both when the step begins, with rows in place.
-  Conservation(const DirectIslandInput& input, const RowKinds& rows, const IslandProblem& problem,
+  Conservation(const SolveInput& input, const RowKinds& rows, const IslandProblem& problem,
                std::span<const MovingBody> bodies);
 
   /// Notes what forces from outside do: the problem's free velocities over its velocities.
   void add_forces(const IslandProblem& problem, std::span<const MovingBody> bodies);
   /// Restores them when the step ends. `resolved`: joints are closed, and arms have turned by little in each substep;
   /// else energy is left as it is.
-  void restore(const DirectIslandInput& input, std::span<const MovingBody> bodies, bool resolved,
+  void restore(const SolveInput& input, std::span<const MovingBody> bodies, bool resolved,
                IslandProblem& problem) const;
 
  private:

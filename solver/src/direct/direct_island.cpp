@@ -15,7 +15,7 @@
 namespace atl::solver {
 namespace {
 
-void count_work(const DirectIslandInput& input, const IslandMembers& members, const IslandProblem& problem,
+void count_work(const SolveInput& input, const IslandMembers& members, const IslandProblem& problem,
                 DirectIslandReport& report) {
   for (const DirectContact& contact : problem.contacts) {
     ++report.contacts;
@@ -28,7 +28,7 @@ void count_work(const DirectIslandInput& input, const IslandMembers& members, co
 
 }  // namespace
 
-bool IslandMembers::take_in(const DirectIslandInput& input, const IslandGroup& group) {
+bool IslandMembers::take_in(const SolveInput& input, const IslandGroup& group) {
   const std::span<const std::uint32_t> bodies_now = input.islands.bodies(group.begin, group.end);
   const std::span<const TouchingPair> contacts_now = input.islands.contacts(group.begin, group.end);
   const std::span<const JointLink> joints_now = input.islands.joints(group.begin, group.end);
@@ -61,7 +61,7 @@ bool IslandMembers::take_in(const DirectIslandInput& input, const IslandGroup& g
   return same;
 }
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> IslandMembers::couplings(const DirectIslandInput& input) const {
+std::vector<std::pair<std::uint32_t, std::uint32_t>> IslandMembers::couplings(const SolveInput& input) const {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> coupled;
   const auto couple = [&](const auto& pair) {
     const std::uint32_t first = local(input, pair.first);
@@ -80,7 +80,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> IslandMembers::couplings(co
   return coupled;
 }
 
-bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& group) {
+bool DirectIsland::analyse(const SolveInput& input, const IslandGroup& group) {
   if (members_.take_in(input, group)) return fits_;
   // Else each solver would come to hold what the largest of all islands took that it has ever solved.
   motions_ = IslandMotions();
@@ -90,7 +90,7 @@ bool DirectIsland::analyse(const DirectIslandInput& input, const IslandGroup& gr
                  motions_.search.matrix.analyse(count, members_.couplings(input), max_factor_blocks(count, true));
 }
 
-DirectIslandReport DirectIsland::solve(const DirectIslandInput& input) {
+DirectIslandReport DirectIsland::solve(const SolveInput& input) {
   IslandProblem& problem = motions_.problem;
   ATL_ASSERT(fits_, members_.island, members_.bodies.size());
   motions_.resize(members_.bodies.size());

@@ -41,26 +41,26 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
   return motions_.search.matrix.analyse_joints(motions_.problem, max_factor_blocks(count, false));
 }
 
-bool DirectJoints::solve(const DirectIslandInput& input) {
+bool DirectJoints::solve(const SolveInput& input) {
   static_cast<void>(load_bodies(input, members_, motions_.problem, bodies_));
   return solve_substeps(input, members_, bodies_, motions_);
 }
 
-void DirectJoints::begin_step(const DirectIslandInput& input) {
+void DirectJoints::begin_step(const SolveInput& input) {
   static_cast<void>(load_bodies(input, members_, motions_.problem, bodies_));
   rows_ = load_joints(input.joints, members_, motions_.problem.joints);
   Substeps(input, bodies_, motions_, rows_).begin();
   if (!rows_.all_locked) record_rates(motions_.problem.velocity, motions_.problem.joints);
 }
 
-void DirectJoints::begin_substep(const DirectIslandInput& input) {
+void DirectJoints::begin_substep(const SolveInput& input) {
   Substeps(input, bodies_, motions_, rows_).begin_substep();
   std::fill(answer_.begin(), answer_.end(), 0.0);
   for (DirectJoint& joint : motions_.problem.joints) joint.lasting = {};
   solved_ = false;
 }
 
-void DirectJoints::solve_velocities(const DirectIslandInput& input, int substep, SolverBodies& bodies) {
+void DirectJoints::solve_velocities(const SolveInput& input, int substep, SolverBodies& bodies) {
   IslandProblem& problem = motions_.problem;
   Substeps joints(input, bodies_, motions_, rows_);
   load_velocities(bodies);
@@ -79,7 +79,7 @@ void DirectJoints::solve_velocities(const DirectIslandInput& input, int substep,
   store_velocities(problem.velocity, bodies);
 }
 
-void DirectJoints::solve_positions(const DirectIslandInput& input, int substep, SolverBodies& bodies) {
+void DirectJoints::solve_positions(const SolveInput& input, int substep, SolverBodies& bodies) {
   const double h = input.substep();
   Substeps(input, bodies_, motions_, rows_).advance_coordinates();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -101,7 +101,7 @@ void DirectJoints::solve_positions(const DirectIslandInput& input, int substep, 
   store_velocities(motions_.lasting, bodies);
 }
 
-void DirectJoints::relax(const DirectIslandInput& input, int substep, SolverBodies& bodies) {
+void DirectJoints::relax(const SolveInput& input, int substep, SolverBodies& bodies) {
   Substeps joints(input, bodies_, motions_, rows_);
   joints.place(input.substep() * (substep + 1));
   load_velocities(bodies);
@@ -110,7 +110,7 @@ void DirectJoints::relax(const DirectIslandInput& input, int substep, SolverBodi
 
 // Keeps the projected velocities, or the lasting ones if none were found, and sets the armatures to their rates. Bodies
 // that tumble by themselves in the next substep thus don't work against armatures.
-void DirectJoints::keep_projected(const DirectIslandInput& input, bool found, SolverBodies& bodies) {
+void DirectJoints::keep_projected(const SolveInput& input, bool found, SolverBodies& bodies) {
   IslandProblem& problem = motions_.problem;
   if (!found) load_velocities(bodies);
   const std::vector<double>& velocities = found ? problem.velocity : motions_.lasting;
@@ -119,7 +119,7 @@ void DirectJoints::keep_projected(const DirectIslandInput& input, bool found, So
   if (found) store_velocities(velocities, bodies);
 }
 
-void DirectJoints::finish(const DirectIslandInput& input) {
+void DirectJoints::finish(const SolveInput& input) {
   BodyTable& table = input.bodies;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const std::uint32_t body = members_.bodies[i];

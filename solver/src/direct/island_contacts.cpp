@@ -19,7 +19,7 @@ constexpr double at_bound = 1 - 1e-6;
 
 // The contact's frame, its arms, with `half_way` as they will be in the middle of the step, and what moves it that
 // doesn't respond.
-void load_frame(const DirectIslandInput& input, bool half_way, DirectContact& contact) {
+void load_frame(const SolveInput& input, bool half_way, DirectContact& contact) {
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[contact.slot];
   const collision::Pair colliders = input.contacts[contact.slot].pair;
@@ -127,7 +127,7 @@ void load_surfaces(const SurfaceContact& surface, const ContactResponse& respons
 
 // The pieces that the last step's impulses were on. `share`: what is solved for at once, of the substep that impulses
 // are kept as those of.
-void warm_start(const DirectIslandInput& input, double share, DirectContact& contact) {
+void warm_start(const SolveInput& input, double share, DirectContact& contact) {
   const collision::ContactManifold& manifold = input.manifolds[contact.slot];
   ContactAnswer& answer = contact.answer;
   answer = {};
@@ -188,7 +188,7 @@ void guess_idle_contacts(double dt, IslandProblem& problem) {
   }
 }
 
-void load_contact(const DirectIslandInput& input, const TouchingPair& pair, const std::vector<DirectBody>& bodies,
+void load_contact(const SolveInput& input, const TouchingPair& pair, const std::vector<DirectBody>& bodies,
                   bool half_way, DirectContact& contact) {
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
@@ -209,7 +209,7 @@ void load_contact(const DirectIslandInput& input, const TouchingPair& pair, cons
   load_surfaces(surface, response, contact);
 }
 
-bool bounces(const DirectIslandInput& input, const DirectContact& contact, const std::vector<double>& velocity) {
+bool bounces(const SolveInput& input, const DirectContact& contact, const std::vector<double>& velocity) {
   if (input.manifolds[contact.slot].restitution == 0) return false;
   const Six motion = contact.motion_at(velocity);
   for (int i = 0; i < contact.law.points; ++i) {
@@ -220,7 +220,7 @@ bool bounces(const DirectIslandInput& input, const DirectContact& contact, const
 
 }  // namespace
 
-bool load_contacts(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem) {
+bool load_contacts(const SolveInput& input, const IslandMembers& members, IslandProblem& problem) {
   // Impulses are kept as those of a substep.
   const bool at_once = members.joints.empty();
   const double share = at_once ? input.settings.substeps : 1;

@@ -82,7 +82,7 @@ double longest_move(const std::vector<double>& by) {
 }
 
 // Moves bodies by as much of the closing motion as closes anything. Returns how much that was, or 0 if nothing does.
-double move_closer(const DirectIslandInput& input, double time, double gap_before, std::vector<MovingBody>& bodies,
+double move_closer(const SolveInput& input, double time, double gap_before, std::vector<MovingBody>& bodies,
                    const IslandMotions& motions) {
   for (MovingBody& body : bodies) body.before = body.now;
   double share = std::min(1.0, tuning::far_at_rest / longest_move(motions.search.direction));
@@ -128,7 +128,7 @@ void follow_coordinates(const std::vector<double>& direction, double share, std:
 // follow. Under what presses on joints, where that is not near, along rows that follow alone: there a taut chain of
 // light links would rather turn them far than move what it pulls on; what holds it straight is the stiffness of its
 // tension.
-void close_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
+void close_joints(const SolveInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandMotions& motions) {
   IslandProblem& problem = motions.problem;
   const bool has_contacts = !problem.contacts.empty();
@@ -164,7 +164,7 @@ void close_joints(const DirectIslandInput& input, double time, double h, std::ve
   if (!has_contacts) follow_tension(problem, h);
 }
 
-bool settle_joints(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
+bool settle_joints(const SolveInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
   const IslandPoses poses{input.bodies, bodies, input.dt};
   const double max = update_gaps(input.joints, poses, motions.problem.joints);
   if (max <= tuning::settled_gap) return true;

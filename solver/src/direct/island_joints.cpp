@@ -232,7 +232,7 @@ const Law& law_of(const Joint& joint, std::size_t row) {
   return row < points ? locked : joint.law[row - points];
 }
 
-void place_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
+void place_joints(const SolveInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandProblem& problem) {
   const IslandPoses poses{input.bodies, bodies, time};
   place_arms(input.joints, poses, problem.joints);
@@ -401,7 +401,7 @@ bool follow_tension(IslandProblem& problem, double h) {
   return tightens;
 }
 
-void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJoint>& joints) {
+void write_back_joints(const SolveInput& input, const std::vector<DirectJoint>& joints) {
   const double over_h = input.settings.substeps / input.dt;
   const double together = input.settings.refinement;  // as of substeps that were asked for
   for (const DirectJoint& from : joints) {

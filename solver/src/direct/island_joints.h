@@ -1,10 +1,10 @@
 #pragma once
 /// The joints of an island that is solved at once: their rows and laws, as bodies move.
 
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_members.h>
 #include <solver/direct/island_problem.h>
 #include <solver/direct/moving_bodies.h>
+#include <solver/direct/solve_input.h>
 
 #include <vector>
 
@@ -20,7 +20,7 @@ TermRow term_at(const Joint* joints, const DirectJoint& tendon, std::size_t i, c
 const Law& law_of(const Joint& joint, std::size_t row);
 
 /// Inertia and joints at the poses of now, `time` seconds into the step, in a substep of h seconds.
-void place_joints(const DirectIslandInput& input, double time, double h, std::vector<MovingBody>& bodies,
+void place_joints(const SolveInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandProblem& problem);
 
 /// Sets the compliance of locked rows, by their effective masses, once these are known. A matrix of joints alone takes
@@ -64,6 +64,6 @@ void record_armature_rates(const Joint* joints, const std::vector<double>& veloc
 bool follow_tension(IslandProblem& problem, double h);
 
 /// Writes impulses, forces and what holds to the joints.
-void write_back_joints(const DirectIslandInput& input, const std::vector<DirectJoint>& joints);
+void write_back_joints(const SolveInput& input, const std::vector<DirectJoint>& joints);
 
 }  // namespace atl::solver

@@ -9,7 +9,7 @@
 
 namespace atl::solver {
 
-void write_back_contacts(const DirectIslandInput& input, double share, const std::vector<DirectContact>& contacts) {
+void write_back_contacts(const SolveInput& input, double share, const std::vector<DirectContact>& contacts) {
   for (const DirectContact& contact : contacts) {
     collision::ContactManifold& manifold = input.manifolds[contact.slot];
     int point = 0;

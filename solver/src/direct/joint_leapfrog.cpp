@@ -51,7 +51,7 @@ bool decays_notably(const Law& law, const DirectJoint& joint, std::size_t row, d
 }
 
 // The bend of find_bends(). A coordinate of a term bends as its joint's bodies swing, and its polynomial as it moves.
-double bend_of_tendon(const DirectIslandInput& input, double time, double h, std::span<const MovingBody> bodies,
+double bend_of_tendon(const SolveInput& input, double time, double h, std::span<const MovingBody> bodies,
                       const std::vector<double>& velocities, const DirectJoint& tendon) {
   const Law& law = input.joints[tendon.joint].law[0];
   if (!law.locked() && law.armature == 0) return 0;
@@ -103,7 +103,7 @@ void add_bend(const Joint& of, double bend, std::size_t row, RowLaw& law) {
 
 }  // namespace
 
-double find_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
+double find_bends(const SolveInput& input, double time, double h, std::span<MovingBody> bodies,
                   IslandProblem& problem) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bodies[i].next = next_pose(input.bodies, h, bodies[i], problem.bodies[i].body, linear_part(problem.free, i),

@@ -2,9 +2,9 @@
 /// Makes substeps of joints alone a leapfrog of second order, and keeps them from making energy.
 
 #include <solver/direct/balance_search.h>
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_problem.h>
 #include <solver/direct/moving_bodies.h>
+#include <solver/direct/solve_input.h>
 
 #include <cstdint>
 #include <span>
@@ -16,8 +16,7 @@ namespace atl::solver {
 /// `time` seconds into the step: a locked one, where impulses then stop that at once, so that little is left to be
 /// closed; and one with an armature, whose rate is that of the substep's middle. Nothing where arms turn by more than
 /// tuning::max_bend. Returns by how much one does, rad.
-double find_bends(const DirectIslandInput& input, double time, double h, std::span<MovingBody> bodies,
-                  IslandProblem& problem);
+double find_bends(const SolveInput& input, double time, double h, std::span<MovingBody> bodies, IslandProblem& problem);
 /// Locks stop what is noted, too, and armatures resist it.
 void answer_bends(const Joint* joints, IslandProblem& problem);
 /// Rates before a substep are those of velocities that keep the joints at its first poses, and rates after it those of

@@ -24,7 +24,7 @@ double approach_speed(const BodyTable& table, const IslandMembers& members, std:
 
 }  // namespace
 
-bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem,
+bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandProblem& problem,
                  std::vector<MovingBody>& bodies) {
   const BodyTable& table = input.bodies;
   const bool joined = !members.joints.empty();

@@ -9,8 +9,7 @@ namespace atl::solver {
 namespace {
 
 // The velocities that forces alone would make in the step, as sweeps would in their substeps.
-void free_velocities_of_step(const DirectIslandInput& input, const std::vector<MovingBody>& bodies,
-                             IslandProblem& problem) {
+void free_velocities_of_step(const SolveInput& input, const std::vector<MovingBody>& bodies, IslandProblem& problem) {
   const BodyTable& table = input.bodies;
   const double h = input.substep();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -43,8 +42,8 @@ std::vector<std::uint8_t> find_landed(const IslandMotions& motions, const std::v
 }
 
 // Moves bodies by the trapezoidal rule where the change is steady. `before`: velocities as the step began.
-void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingBody>& bodies,
-                       const IslandMotions& motions, const std::vector<double>& before) {
+void write_back_bodies(const SolveInput& input, const std::vector<MovingBody>& bodies, const IslandMotions& motions,
+                       const std::vector<double>& before) {
   BodyTable& table = input.bodies;
   const std::vector<std::uint8_t> landed = find_landed(motions, before);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -70,7 +69,7 @@ void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingB
 
 }  // namespace
 
-bool solve_step(const DirectIslandInput& input, const std::vector<MovingBody>& bodies, IslandMotions& motions) {
+bool solve_step(const SolveInput& input, const std::vector<MovingBody>& bodies, IslandMotions& motions) {
   free_velocities_of_step(input, bodies, motions.problem);
   const std::vector<double> before = motions.lasting = motions.problem.velocity;
   if (!find_motions(motions, input.settings, input.dt, 0)) return false;

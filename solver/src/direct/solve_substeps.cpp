@@ -421,8 +421,7 @@ bool Substeps::limit_bounces() {
 
 namespace {
 
-void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingBody>& bodies,
-                       const IslandProblem& problem) {
+void write_back_bodies(const SolveInput& input, const std::vector<MovingBody>& bodies, const IslandProblem& problem) {
   BodyTable& table = input.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = problem.bodies[i].body;
@@ -436,7 +435,7 @@ void write_back_bodies(const DirectIslandInput& input, const std::vector<MovingB
 
 }  // namespace
 
-bool solve_substeps(const DirectIslandInput& input, const IslandMembers& members, std::vector<MovingBody>& bodies,
+bool solve_substeps(const SolveInput& input, const IslandMembers& members, std::vector<MovingBody>& bodies,
                     IslandMotions& motions) {
   IslandProblem& problem = motions.problem;
   const RowKinds rows = load_joints(input.joints, members, problem.joints);

@@ -2,9 +2,9 @@
 /// The substeps of joints that are solved at once: of an island by itself, or stage by stage where contacts are swept
 /// in between.
 
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_motions.h>
 #include <solver/direct/moving_bodies.h>
+#include <solver/direct/solve_input.h>
 
 #include <vector>
 
@@ -16,8 +16,7 @@ namespace atl::solver {
 class Substeps {
  public:
   /// Works on an island whose bodies and joints have been loaded.
-  Substeps(const DirectIslandInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions,
-           const RowKinds& rows)
+  Substeps(const SolveInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions, const RowKinds& rows)
       : input_(input),
         bodies_(bodies),
         motions_(motions),
@@ -61,7 +60,7 @@ class Substeps {
   bool limit_bounces();
   bool solve_linear();
 
-  const DirectIslandInput& input_;
+  const SolveInput& input_;
   std::vector<MovingBody>& bodies_;
   IslandMotions& motions_;
   IslandProblem& problem_;

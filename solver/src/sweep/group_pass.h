@@ -101,7 +101,7 @@ void GroupPass<Executor>::finish() {
   loops_.each_body([&](std::size_t begin, std::size_t end) {
     write_back(setup_.input, parts_, setup_.body_ids, setup_.joined, begin, end);
   });
-  loops_.each_system([&](DirectJoints& system) { system.finish(setup_.direct_input); });
+  loops_.each_system([&](DirectJoints& system) { system.finish(setup_.input); });
   if (setup_.watches_energy) parts_.passive_energy.bound(setup_.input);
   loops_.each_joint_block(
       [&](std::size_t begin, std::size_t end) { parts_.joints.store(setup_.joint_step, begin, end); });
@@ -159,7 +159,7 @@ void GroupPass<Executor>::prepare_systems() {
   parts_.joined_motion.record_forces(setup_.body_ids, setup_.input.bodies, setup_.input.gravity);
   loops_.each_system([&](DirectJoints& system) {
     system.locate([&](std::uint32_t body) { return parts_.numbers.local(setup_.input, setup_.group, body); });
-    system.begin_step(setup_.direct_input);
+    system.begin_step(setup_.input);
   });
 }
 
@@ -210,7 +210,7 @@ void GroupPass<Executor>::warm_start(int number) {
     }
     fit_impulses();
   }
-  loops_.each_system([&](DirectJoints& system) { system.begin_substep(setup_.direct_input); });
+  loops_.each_system([&](DirectJoints& system) { system.begin_substep(setup_.input); });
   if (setup_.sweeps_joints && parts_.joints.may_bounce()) record_joint_impacts();
 }
 
@@ -289,14 +289,14 @@ void GroupPass<Executor>::integrate_positions() {
 
 template <typename Executor>
 void GroupPass<Executor>::relax(int number) {
-  loops_.each_system([&](DirectJoints& system) { system.solve_positions(setup_.direct_input, number, parts_.bodies); });
+  loops_.each_system([&](DirectJoints& system) { system.solve_positions(setup_.input, number, parts_.bodies); });
   if (setup_.relaxes) {
     Sweep how = {.push = Push::None, .refresh = true, .friction = setup_.friction, .relaxes = true};
     rise(how, number + 1, number + 1);
     sweep(how, {.refresh = true, .moved = true}, setup_.settings.relax_iterations, number);
   }
   bound_joints(number, 0);
-  loops_.each_system([&](DirectJoints& system) { system.relax(setup_.direct_input, number, parts_.bodies); });
+  loops_.each_system([&](DirectJoints& system) { system.relax(setup_.input, number, parts_.bodies); });
 }
 
 // A group larger than the caches is checked once a step only: each check would take a tenth of a net's time.
@@ -345,8 +345,7 @@ void GroupPass<Executor>::finish_contacts() {
 
 template <typename Executor>
 void GroupPass<Executor>::solve_systems(int number) {
-  loops_.each_system(
-      [&](DirectJoints& system) { system.solve_velocities(setup_.direct_input, number, parts_.bodies); });
+  loops_.each_system([&](DirectJoints& system) { system.solve_velocities(setup_.input, number, parts_.bodies); });
 }
 
 // Sweeps until the residual is small, or for as often as is asked for. Joints first: contacts are what may not give.

@@ -35,7 +35,6 @@ struct GroupSetup {
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
         joint_step{of.joints, of.joint_graph, of.bodies, parts.bodies, constants, of.dt / settings.substeps},
-        direct_input(of.of_direct_islands()),
         contact_data(parts.contacts.kernel_data(of, report, constants, splits, parts.bodies, parts.joined)),
         joint_data(parts.joints.kernel_data(parts.bodies, constants, splits)) {}
 
@@ -56,7 +55,6 @@ struct GroupSetup {
   const float struck_speed;                       // m/s, a change by more than gravity makes in the step
   const Friction friction;
   const JointStep joint_step;
-  const DirectIslandInput direct_input;
   const ContactKernelData contact_data;
   const JointKernelData joint_data;
 };

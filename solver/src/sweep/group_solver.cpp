@@ -3,6 +3,7 @@
 #include <jobs/assert.h>
 #include <jobs/worker_team.h>
 #include <solver/constraints/contact_arm.h>
+#include <solver/direct/joint_systems.h>
 #include <solver/sweep/group_solver.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 #include <jobs/assert.h>
+#include <solver/direct/joint_systems.h>
 #include <solver/sweep/joined_motion.h>
 
 namespace atl::solver {

@@ -1,6 +1,7 @@
 #include <collision/contacts/refresh.h>
 #include <jobs/assert.h>
 #include <solver/constraints/stored_energy.h>
+#include <solver/direct/joint_systems.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/sweep/passive_energy.h>

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <jobs/arrays.h>
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_members.h>
 #include <solver/direct/island_motions.h>
 #include <solver/direct/moving_bodies.h>
+#include <solver/direct/solve_input.h>
 
 #include <cstdint>
 #include <vector>
@@ -33,10 +33,10 @@ struct DirectIslandReport {
 class DirectIsland {
  public:
   /// Takes in an island. Returns false if its factor would be too large.
-  bool analyse(const DirectIslandInput& input, const IslandGroup& group);
+  bool analyse(const SolveInput& input, const IslandGroup& group);
   static constexpr const char* too_large = "its factor would be too large";
   /// Solves the island that was taken in last. Not solved is what bounces, tumbles fast or didn't converge.
-  DirectIslandReport solve(const DirectIslandInput& input);
+  DirectIslandReport solve(const SolveInput& input);
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(members_, motions_, bodies_); }

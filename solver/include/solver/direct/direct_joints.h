@@ -1,10 +1,10 @@
 #pragma once
 
 #include <jobs/arrays.h>
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_members.h>
 #include <solver/direct/island_motions.h>
 #include <solver/direct/moving_bodies.h>
+#include <solver/direct/solve_input.h>
 #include <solver/integrate/solver_bodies.h>
 
 #include <cstdint>
@@ -26,24 +26,24 @@ class DirectJoints {
 
   /// Moves bodies through the step, where nothing touches them. Returns false, and changes nothing, where that ends
   /// nowhere.
-  bool solve(const DirectIslandInput& input);
+  bool solve(const SolveInput& input);
 
   /// Looks up the bodies of the joints among the solver's, by `place(body)`, before a step.
   template <typename Place>
   void locate(const Place& place) {
     for (std::size_t i = 0; i < places_.size(); ++i) places_[i] = place(members_.bodies[i]);
   }
-  void begin_step(const DirectIslandInput& input);
-  void begin_substep(const DirectIslandInput& input);
+  void begin_step(const SolveInput& input);
+  void begin_substep(const SolveInput& input);
   /// Finds, after forces, the velocities that keep the joints at the present poses, with springs, motors and limits.
-  void solve_velocities(const DirectIslandInput& input, int substep, SolverBodies& bodies);
+  void solve_velocities(const SolveInput& input, int substep, SolverBodies& bodies);
   /// Moves bodies, after their motion, back to where the joints hold, and corrects velocities accordingly.
-  void solve_positions(const DirectIslandInput& input, int substep, SolverBodies& bodies);
+  void solve_positions(const SolveInput& input, int substep, SolverBodies& bodies);
   /// Finds, after that, the velocities that keep the joints at the new poses.
-  void relax(const DirectIslandInput& input, int substep, SolverBodies& bodies);
+  void relax(const SolveInput& input, int substep, SolverBodies& bodies);
   /// Closes the joints once poses have been written back, writes impulses, forces and limits to the joints, and records
   /// how the bodies moved.
-  void finish(const DirectIslandInput& input);
+  void finish(const SolveInput& input);
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(members_, places_, motions_, bodies_, answer_); }
@@ -51,7 +51,7 @@ class DirectJoints {
  private:
   void load_velocities(const SolverBodies& bodies);
   void store_velocities(const std::vector<double>& velocities, SolverBodies& bodies);
-  void keep_projected(const DirectIslandInput& input, bool found, SolverBodies& bodies);
+  void keep_projected(const SolveInput& input, bool found, SolverBodies& bodies);
 
   IslandMembers members_;              // without contacts
   std::vector<std::uint32_t> places_;  // of bodies among the solver's

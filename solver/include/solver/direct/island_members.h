@@ -1,8 +1,8 @@
 #pragma once
 
 #include <jobs/arrays.h>
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/direct_rows.h>
+#include <solver/direct/solve_input.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -43,16 +43,16 @@ struct IslandMembers {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> term_ends;
 
   /// The number of a body of the world in the problem, or no_body if it isn't dynamic.
-  std::uint32_t local(const DirectIslandInput& input, std::uint32_t body) const {
+  std::uint32_t local(const SolveInput& input, std::uint32_t body) const {
     return input.bodies.mobility[body] == Mobility::Dynamic ? input.islands.rank(body) - first_rank : no_body;
   }
 
   /// Takes in the island of a group. Returns whether it has the bodies, contacts and joints of the one before, in the
   /// same order; slots of contacts may be others.
-  bool take_in(const DirectIslandInput& input, const IslandGroup& group);
+  bool take_in(const SolveInput& input, const IslandGroup& group);
 
   /// Numbers of bodies that touch or are joined.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings(const DirectIslandInput& input) const;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> couplings(const SolveInput& input) const;
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(bodies, contacts, joints, rows, ends, term_ends); }

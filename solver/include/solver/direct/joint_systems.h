@@ -43,4 +43,8 @@ class JointSystems {
   std::vector<std::uint8_t> actuated_;                  // likewise; of those that are solved at once
 };
 
+inline bool SolveInput::solves_directly(std::uint32_t component) const {
+  return settings.joint_method != JointMethod::Iterative && joint_systems->is_direct(component);
+}
+
 }  // namespace atl::solver

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <solver/direct/direct_island_input.h>
 #include <solver/direct/island_members.h>
 #include <solver/direct/island_problem.h>
+#include <solver/direct/solve_input.h>
 #include <solver/integrate/free_flight.h>
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct MovingBody {
 
 /// Fills in the problem's bodies and their velocities, as of the start of the step. Returns false if one tumbles too
 /// fast.
-bool load_bodies(const DirectIslandInput& input, const IslandMembers& members, IslandProblem& problem,
+bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandProblem& problem,
                  std::vector<MovingBody>& bodies);
 
 /// Sets the bodies' own inertia at the present poses.

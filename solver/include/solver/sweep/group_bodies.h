@@ -1,7 +1,8 @@
 #pragma once
 
 #include <jobs/arrays.h>
-#include <solver/solve_input.h>
+#include <solver/direct/solve_input.h>
+#include <solver/integrate/solver_bodies.h>
 
 #include <algorithm>
 #include <cstddef>

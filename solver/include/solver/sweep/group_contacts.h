@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/solve_input.h>
+#include <solver/direct/solve_input.h>
 #include <solver/sweep/colouring.h>
 #include <solver/sweep/contact_block.h>
 #include <solver/sweep/group_bodies.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/solve_input.h>
+#include <solver/direct/solve_input.h>
 #include <solver/sweep/group_parts.h>
 #include <solver/sweep/group_report.h>
 

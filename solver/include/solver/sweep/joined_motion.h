@@ -1,9 +1,10 @@
 #pragma once
 
 #include <jobs/arrays.h>
+#include <solver/direct/solve_input.h>
 #include <solver/integrate/body_table.h>
 #include <solver/islands/islands.h>
-#include <solver/solve_input.h>
+#include <solver/islands/joint_graph.h>
 
 #include <cstdint>
 #include <span>

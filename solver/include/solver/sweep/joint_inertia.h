@@ -1,8 +1,8 @@
 #pragma once
 
 #include <jobs/arrays.h>
+#include <solver/direct/solve_input.h>
 #include <solver/integrate/solver_bodies.h>
-#include <solver/solve_input.h>
 #include <solver/sweep/joined_motion.h>
 
 #include <cstddef>

@@ -5,17 +5,20 @@
 #include <solver/constraints/contact_capture.h>
 #include <solver/constraints/joint.h>
 #include <solver/constraints/surface_contact.h>
-#include <solver/direct/direct_island_input.h>
-#include <solver/direct/joint_systems.h>
 #include <solver/integrate/motion.h>
 #include <solver/islands/islands.h>
-#include <solver/islands/joint_graph.h>
 #include <solver/solver_settings.h>
-#include <solver/sweep/kernels.h>
 
 namespace atl::solver {
 
-/// The input shared by all islands of a step.
+class JointGraph;
+class JointSystems;
+struct Kernels;
+
+/// Stands for the impulse of a contact that hasn't pushed in a step.
+inline constexpr float not_pushed = -1;
+
+/// The input shared by all islands of a step, with references to the results that their solvers write.
 struct SolveInput {
   const Islands& islands;
   BodyTable& bodies;
@@ -39,29 +42,10 @@ struct SolveInput {
   JointSystems* joint_systems = nullptr;       ///< likewise
 
   const AddedSlip* added_slip(std::uint32_t slot) const { return added_slips ? added_slips + slot : nullptr; }
-  /// True if a component of joints is solved at once.
-  bool solves_directly(std::uint32_t component) const {
-    return settings.joint_method != JointMethod::Iterative && joint_systems->is_direct(component);
-  }
-
-  /// The input for an island whose contacts and joints are solved at once.
-  DirectIslandInput of_direct_islands() const {
-    return {.islands = islands,
-            .bodies = bodies,
-            .manifolds = manifolds,
-            .gravity = gravity,
-            .dt = dt,
-            .settings = settings,
-            .bounds = bounds,
-            .fast = fast,
-            .contacts = contacts,
-            .colliders = colliders,
-            .capture = capture,
-            .pushed = pushed,
-            .surface_contacts = surface_contacts,
-            .added_slips = added_slips,
-            .joints = joints};
-  }
+  /// s, of a substep.
+  double substep() const { return dt / settings.substeps; }
+  /// True if a component of joints is solved at once (joint_systems.h).
+  bool solves_directly(std::uint32_t component) const;
 };
 
 }  // namespace atl::solver
