@@ -35,8 +35,7 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
   parts.velocity.values(world.bodies.velocity(body).data(), 3);
   parts.velocity.values(world.bodies.angular_velocity(body).data(), 3);
 
-  parts.input.value(world.records.generation[body]);
-  parts.input.value(alive);
+  visit_all(parts.input, world.records.generation[body], alive);
   parts.input.values(world.bodies.force(body).data(), 3);
   parts.input.values(world.bodies.torque(body).data(), 3);
   // Plain ones count for nothing, whether the world has an entry of them or not.
@@ -44,8 +43,7 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
     const solver::Surface& surface = world.bodies.surfaces[body];
     parts.input.values(surface.motion.velocity.data(), 3);
     if (!surface.motion.angular_velocity.isZero(0)) parts.input.values(surface.motion.angular_velocity.data(), 3);
-    parts.input.value(surface.rolling_friction);
-    parts.input.value(surface.torsional_friction);
+    visit_all(parts.input, surface.rolling_friction, surface.torsional_friction);
   }
   if (const auto disabled = world.records.disabled_pairs.find(body); disabled != world.records.disabled_pairs.end()) {
     parts.input.list(disabled->second);
@@ -60,22 +58,16 @@ void hash_body(const Stores& world, BodyParts& parts, std::uint32_t body) {
     if (std::binary_search(again.begin(), again.end(), body)) parts.input.value(true);
   }
 
-  parts.rest.value(world.sleeping.awake[body]);
-  parts.rest.value(world.sleeping.rest_time[body]);
-  parts.rest.value(world.sleeping.ring[body]);
-
-  parts.bounds.value(world.bodies.turned[body]);
-  parts.bounds.value(world.aabbs.bounds.aabb_margin[body]);
-  parts.bounds.value(world.aabbs.bounds.aabb_dirty[body]);
-  parts.bounds.value(world.aabbs.swept_margins()[body]);
+  visit_all(parts.rest, world.sleeping.awake[body], world.sleeping.rest_time[body], world.sleeping.ring[body]);
+  visit_all(parts.bounds, world.bodies.turned[body], world.aabbs.bounds.aabb_margin[body],
+            world.aabbs.bounds.aabb_dirty[body], world.aabbs.swept_margins()[body]);
   if (alive) {
     const bool quarantined = world.quarantine.contains(body);
     world.colliders.for_each_of(body, [&](std::uint32_t collider) {
       parts.bounds.value(collider);
       if (!quarantined && !world.broadphase.proxies().is_half_space(collider)) {
         const collision::Aabb box = world.broadphase.proxies().fat_box(collider);
-        parts.bounds.values(box.lower.data(), 3);
-        parts.bounds.values(box.upper.data(), 3);
+        visit_all(parts.bounds, box.lower, box.upper);
       }
       const collision::Filter filter = filter_of(world, collider);
       visit_filter(parts.input, filter);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "state/state_archive.h"
 #include "world/utf8.h"
 
 namespace atl {
@@ -21,9 +22,7 @@ void visit_text(Archive& archive, Text& text) {
 
 template <typename Archive, typename Filter>
 void visit_filter(Archive& archive, Filter& filter) {
-  archive.value(filter.category);
-  archive.value(filter.mask);
-  archive.value(filter.group);
+  visit_all(archive, filter.category, filter.mask, filter.group);
 }
 
 }  // namespace atl

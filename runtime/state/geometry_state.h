@@ -32,33 +32,23 @@ void visit_each(Archive& archive, List& list, std::size_t min_bytes, const Visit
 
 template <typename Archive, typename List>
 void visit_vectors(Archive& archive, List& list) {
-  visit_each(archive, list, 3 * sizeof(double), [&](auto& vector) { archive.values(vector.data(), 3); });
+  visit_each(archive, list, 3 * sizeof(double), [&](auto& vector) { visit_value(archive, vector); });
 }
 
 template <typename Archive, typename Hull>
 void visit_hull(Archive& archive, Hull& hull) {
   visit_vectors(archive, hull.vertices);
-  visit_each(archive, hull.planes, 4 * sizeof(double), [&](auto& plane) {
-    archive.values(plane.normal.data(), 3);
-    archive.value(plane.offset);
-  });
-  visit_each(archive, hull.edges, 4 * sizeof(std::uint16_t), [&](auto& edge) {
-    for (auto* number : {&edge.tail, &edge.head, &edge.left, &edge.right}) archive.value(*number);
-  });
+  visit_each(archive, hull.planes, 4 * sizeof(double),
+             [&](auto& plane) { visit_all(archive, plane.normal, plane.offset); });
+  visit_each(archive, hull.edges, 4 * sizeof(std::uint16_t),
+             [&](auto& edge) { visit_all(archive, edge.tail, edge.head, edge.left, edge.right); });
   archive.list(hull.face_start);
   archive.list(hull.face_vertices);
   archive.list(hull.face_edges);
   archive.list(hull.vertex_start);
   archive.list(hull.vertex_edges);
-  archive.value(hull.mass.volume);
-  archive.values(hull.mass.centre.data(), 3);
-  archive.values(hull.mass.unit_inertia.data(), 9);
-  archive.value(hull.bounding_radius);
-  archive.value(hull.inner_radius);
-  archive.values(hull.lower.data(), 3);
-  archive.values(hull.upper.data(), 3);
-  archive.value(hull.simplified);
-  archive.value(hull.content);
+  visit_all(archive, hull.mass.volume, hull.mass.centre, hull.mass.unit_inertia, hull.bounding_radius,
+            hull.inner_radius, hull.lower, hull.upper, hull.simplified, hull.content);
 }
 
 /// Checks that every index of a hull is within its range.
@@ -90,6 +80,23 @@ void check_hull(Archive& archive, const collision::Hull& hull) {
   }
 }
 
+// By what they are made of.
+template <typename Archive, typename Mesh>
+void visit_mesh(Archive& archive, Mesh& mesh) {
+  visit_vectors(archive, mesh.vertices);
+  archive.value(mesh.smooth_angle);
+  archive.list(mesh.materials);
+  visit_each(archive, mesh.triangles, 3 * sizeof(std::uint32_t),
+             [&](auto& triangle) { visit_value(archive, triangle); });
+}
+
+template <typename Archive, typename Field>
+void visit_field_of_heights(Archive& archive, Field& field) {
+  visit_all(archive, field.columns, field.rows, field.spacing_x, field.spacing_y, field.smooth);
+  archive.list(field.heights);
+  archive.list(field.materials);
+}
+
 /// Writes the geometry of a collider that has some.
 template <typename Archive>
 void write_geometry(Archive& archive, const CheckedCollider& collider) {
@@ -99,21 +106,9 @@ void write_geometry(Archive& archive, const CheckedCollider& collider) {
     case collision::ShapeKind::Hull:
       return visit_hull(archive, *collider.shape.hull);
     case collision::ShapeKind::Mesh:
-      visit_vectors(archive, collider.shape.mesh->vertices);
-      archive.value(collider.shape.mesh->smooth_angle);
-      archive.list(collider.shape.mesh->materials);
-      return visit_each(archive, collider.shape.mesh->triangles, 3 * sizeof(std::uint32_t),
-                        [&](const auto& triangle) { archive.values(triangle.data(), 3); });
-    default: {
-      const collision::HeightField& field = *collider.shape.field;
-      archive.value(field.columns);
-      archive.value(field.rows);
-      archive.value(field.spacing_x);
-      archive.value(field.spacing_y);
-      archive.value(field.smooth);
-      archive.list(field.heights);
-      archive.list(field.materials);
-    }
+      return visit_mesh(archive, *collider.shape.mesh);
+    default:
+      return visit_field_of_heights(archive, *collider.shape.field);
   }
 }
 
@@ -155,27 +150,15 @@ ReadGeometry read_geometry(Archive& archive) {
       take(read_hull(archive));
       break;
     case collision::ShapeKind::Mesh: {
-      std::vector<Vector3> vertices;
-      std::vector<std::array<std::uint32_t, 3>> triangles;
-      std::vector<std::uint8_t> materials;
-      double smooth_angle = 0;
-      visit_vectors(archive, vertices);
-      archive.value(smooth_angle);
-      archive.list(materials);
-      visit_each(archive, triangles, 3 * sizeof(std::uint32_t),
-                 [&](auto& triangle) { archive.values(triangle.data(), 3); });
-      take_built(collision::build_triangle_mesh(vertices, triangles, smooth_angle, std::move(materials)));
+      collision::TriangleMesh mesh;
+      visit_mesh(archive, mesh);
+      take_built(
+          collision::build_triangle_mesh(mesh.vertices, mesh.triangles, mesh.smooth_angle, std::move(mesh.materials)));
       break;
     }
     case collision::ShapeKind::HeightField: {
       collision::HeightField field;
-      archive.value(field.columns);
-      archive.value(field.rows);
-      archive.value(field.spacing_x);
-      archive.value(field.spacing_y);
-      archive.value(field.smooth);
-      archive.list(field.heights);
-      archive.list(field.materials);
+      visit_field_of_heights(archive, field);
       take_built(collision::build_height_field(field.columns, field.rows, field.spacing_x, field.spacing_y,
                                                std::move(field.heights), field.smooth, std::move(field.materials)));
       break;

@@ -18,9 +18,7 @@ constexpr FileHeader hull_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'H', 'U',
 
 template <typename Archive, typename Header>
 void visit_header(Archive& archive, Header& header) {
-  archive.values(header.magic.data(), header.magic.size());
-  archive.value(header.order);
-  archive.value(header.version);
+  visit_all(archive, header.magic, header.order, header.version);
 }
 
 }  // namespace

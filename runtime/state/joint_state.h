@@ -12,21 +12,11 @@
 #include <variant>
 
 #include "state/filter_state.h"
+#include "state/state_archive.h"
 #include "world/joint_table.h"
 #include "world/refuse.h"
 
 namespace atl {
-
-template <typename Archive, typename Optional, typename Visit>
-void visit_optional(Archive& archive, Optional& optional, const Visit& visit) {
-  bool is_there = optional.has_value();
-  archive.value(is_there);
-  if constexpr (Archive::reads) {
-    optional.reset();
-    if (is_there) optional.emplace();
-  }
-  if (is_there) visit(*optional);
-}
 
 /// The parameters of a joint kind, beside its name.
 template <typename Archive>
@@ -35,28 +25,18 @@ struct JointKindState {
 
   template <typename Axis>
   void axis(Axis& axis) const {
-    archive.value(axis.range.lower);
-    archive.value(axis.range.upper);
-    archive.value(axis.range.restitution);
-    archive.value(axis.armature);
+    visit_all(archive, axis.range.lower, axis.range.upper, axis.range.restitution, axis.armature);
     // So hashes of worlds without it are what they were before there was any.
     if (!Archive::hashes || axis.friction != 0) archive.value(axis.friction);
     visit_optional(archive, axis.spring, [this](auto& spring) {
-      archive.value(spring.hertz);
-      archive.value(spring.damping_ratio);
-      archive.value(spring.rest);
-      visit_optional(archive, spring.stiffness, [this](auto& stiffness) { archive.value(stiffness); });
-      visit_optional(archive, spring.damping, [this](auto& damping) { archive.value(damping); });
+      visit_all(archive, spring.hertz, spring.damping_ratio, spring.rest, spring.stiffness, spring.damping);
     });
     visit_optional(archive, axis.motor, [this](auto& motor) {
       archive.value(motor.speed);
       if constexpr (Archive::reads) motor.max_force.emplace();
       archive.value(*motor.max_force);  // as checked
-      visit_optional(archive, motor.servo, [this](auto& servo) {
-        archive.value(servo.target);
-        archive.value(servo.stiffness);
-        archive.value(servo.damping);
-      });
+      visit_optional(archive, motor.servo,
+                     [this](auto& servo) { visit_all(archive, servo.target, servo.stiffness, servo.damping); });
     });
   }
 
@@ -69,10 +49,7 @@ struct JointKindState {
       terms.resize(count);
     }
     for (auto& term : terms) {
-      archive.value(term.joint.index);
-      archive.value(term.joint.generation);
-      archive.value(term.coordinate);
-      archive.values(term.polynomial.data(), term.polynomial.size());
+      visit_all(archive, term.joint, term.coordinate, term.polynomial);
     }
   }
 
@@ -83,11 +60,7 @@ struct JointKindState {
       archive.value(kind.friction);
       if (Archive::hashes && !kind.servo) return;
       visit_optional(archive, kind.servo, [this](auto& servo) {
-        archive.values(servo.target.coeffs().data(), 4);
-        archive.values(servo.angular_velocity.data(), 3);
-        archive.value(servo.stiffness);
-        archive.value(servo.damping);
-        archive.value(servo.max_torque);
+        visit_all(archive, servo.target, servo.angular_velocity, servo.stiffness, servo.damping, servo.max_torque);
       });
     } else if constexpr (std::is_same_v<Joint, HingeJoint>) {
       axis(kind.angle);
@@ -109,8 +82,7 @@ struct JointKindState {
       if (!Archive::hashes || kind.turns != SixDofTurns::Vector) archive.value(kind.turns);
       archive.check(kind.turns <= SixDofTurns::AnglesXZY, "turns of no known sort");
     } else if constexpr (std::is_same_v<Joint, GearJoint>) {
-      archive.value(kind.ratio);
-      archive.value(kind.rack);
+      visit_all(archive, kind.ratio, kind.rack);
     } else if constexpr (std::is_same_v<Joint, WheelJoint>) {
       axis(kind.suspension);
       axis(kind.steering);
@@ -143,17 +115,8 @@ void visit_kind(Archive& archive, Kind& kind) {
 template <typename Archive, typename Def>
 void visit_definition(Archive& archive, Def& def) {
   visit_kind(archive, def.kind);
-  for (auto* body : {&def.first, &def.second}) {
-    archive.value(body->index);
-    archive.value(body->generation);
-  }
-  for (auto* frame : {&def.frame_first, &def.frame_second}) {
-    archive.values(frame->position.data(), 3);
-    archive.values(frame->orientation.coeffs().data(), 4);
-  }
-  archive.value(def.collide);
-  archive.value(def.break_force);
-  archive.value(def.break_torque);
+  visit_all(archive, def.first, def.second, def.frame_first, def.frame_second, def.collide, def.break_force,
+            def.break_torque);
   // Nothing follows from these.
   if constexpr (!Archive::hashes) {
     visit_text(archive, def.name);
@@ -164,10 +127,7 @@ void visit_definition(Archive& archive, Def& def) {
 /// The state of a joint that lasts from step to step, beside its definition.
 template <typename Archive, typename Joint, typename Limits>
 void visit_joint(Archive& archive, Joint& joint, Limits& limit_before) {
-  archive.values(joint.point_impulse.data(), 3);
-  archive.values(joint.tension.data(), 3);
-  archive.values(joint.force.data(), 3);
-  archive.values(joint.torque.data(), 3);
+  visit_all(archive, joint.point_impulse, joint.tension, joint.force, joint.torque);
   archive.values(joint.impulse.data(), joint.rows);
   archive.values(joint.position.data(), joint.rows);
   archive.values(joint.limit.data(), joint.rows);

@@ -126,17 +126,7 @@ using RecordedCall =
 template <typename Archive, typename Field>
 void visit_field(Archive& archive, Field& field) {
   using T = std::remove_const_t<Field>;
-  if constexpr (std::is_same_v<T, BodyId> || std::is_same_v<T, JointId>) {
-    archive.value(field.index);
-    archive.value(field.generation);
-  } else if constexpr (std::is_same_v<T, Vector3>) {
-    archive.values(field.data(), 3);
-  } else if constexpr (std::is_same_v<T, Quaternion>) {
-    archive.values(field.coeffs().data(), 4);
-  } else if constexpr (std::is_same_v<T, Pose>) {
-    visit_field(archive, field.position);
-    visit_field(archive, field.orientation);
-  } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+  if constexpr (std::is_same_v<T, std::vector<double>>) {
     archive.list(field);
   } else if constexpr (std::is_same_v<T, std::string>) {
     visit_text(archive, field);
@@ -153,7 +143,7 @@ void visit_field(Archive& archive, Field& field) {
   } else if constexpr (std::is_same_v<T, Settings>) {
     visit_settings(archive, field);
   } else {
-    archive.value(field);
+    visit_value(archive, field);
   }
 }
 

@@ -7,8 +7,7 @@ namespace atl {
 Recorder::Recorder(const std::filesystem::path& path, const RecordingOptions& options, int threads, Simd simd)
     : options_(options), file_("World::record", path) {
   StateWriter writer(bytes_);
-  writer.value(threads);
-  writer.value(simd);
+  visit_all(writer, threads, simd);
   write(RecordKind::Begin, writer);
 }
 
@@ -44,8 +43,7 @@ void Recorder::record_body(const CheckedBody& body, std::uint64_t kind) {
 void Recorder::record_shape(BodyId body, const BodyConstants& constants, std::uint64_t kind) {
   const std::uint32_t number = number_of_kind(constants, kind);
   StateWriter writer(bytes_);
-  visit_field(writer, body);
-  writer.value(number);
+  visit_all(writer, body, number);
   write(RecordKind::SetShape, writer);
 }
 

@@ -91,52 +91,34 @@ class Recorder {
 /// How a body starts, for archives, but for what never changes of it.
 template <typename Archive, typename Body>
 void visit_start(Archive& archive, Body& body) {
-  visit_field(archive, body.position);
-  visit_field(archive, body.orientation);
-  visit_field(archive, body.velocity);
-  visit_field(archive, body.angular_velocity);
-  visit_field(archive, body.surface.velocity);
-  visit_field(archive, body.surface.angular_velocity);
-  visit_field(archive, body.filter);
-  visit_field(archive, body.awake);
+  visit_all(archive, body.position, body.orientation, body.velocity, body.angular_velocity, body.surface.velocity,
+            body.surface.angular_velocity);
+  visit_filter(archive, body.filter);
+  archive.value(body.awake);
   visit_text(archive, body.name);
-  visit_field(archive, body.user_data);
+  archive.value(body.user_data);
 }
 
 template <typename Archive, typename Forces>
 void visit_forces(Archive& archive, bool& given, Forces& forces) {
   archive.value(given);
-  visit_each(archive, forces, 7 * sizeof(std::uint32_t), [&](auto& of) {
-    archive.value(of.body);
-    visit_field(archive, of.force);
-    visit_field(archive, of.torque);
-  });
+  visit_each(archive, forces, 7 * sizeof(std::uint32_t),
+             [&](auto& of) { visit_all(archive, of.body, of.force, of.torque); });
 }
 
 template <typename Archive, typename Answers>
 void visit_answers(Archive& archive, std::uint32_t& question, Answers& answers) {
   archive.value(question);
-  visit_each(archive, answers.refused, sizeof(collision::Pair), [&](auto& pair) {
-    archive.value(pair.first);
-    archive.value(pair.second);
-  });
+  visit_each(archive, answers.refused, sizeof(collision::Pair),
+             [&](auto& pair) { visit_all(archive, pair.first, pair.second); });
   visit_each(archive, answers.modified, sizeof(collision::Pair), [&](auto& of) {
-    archive.value(of.pair.first);
-    archive.value(of.pair.second);
-    archive.value(of.part);
-    archive.value(of.points);
-    archive.value(of.friction);
-    archive.value(of.restitution);
-    archive.values(of.slip.data(), of.slip.size());
+    visit_all(archive, of.pair.first, of.pair.second, of.part, of.points, of.friction, of.restitution, of.slip);
   });
 }
 
 template <typename Archive, typename Bodies>
 void visit_recorded_bodies(Archive& archive, Bodies& bodies) {
-  visit_each(archive, bodies, 2 * sizeof(std::uint64_t), [&](auto& body) {
-    visit_field(archive, body.id);
-    archive.value(body.parts);
-  });
+  visit_each(archive, bodies, 2 * sizeof(std::uint64_t), [&](auto& body) { visit_all(archive, body.id, body.parts); });
 }
 
 }  // namespace atl

@@ -154,8 +154,7 @@ void Replay::take(StateReader& record) {
                "a record ahead of the state to begin with");
   switch (kind) {
     case RecordKind::Begin:
-      record.value(result_.recorded_threads);
-      record.value(result_.recorded_simd);
+      visit_all(record, result_.recorded_threads, result_.recorded_simd);
       break;
     case RecordKind::Geometry: {
       ReadGeometry read = read_geometry(record);
@@ -218,7 +217,7 @@ void Replay::add_body(StateReader& record) {
 
 void Replay::set_shape(StateReader& record) {
   BodyId id;
-  visit_field(record, id);
+  visit_value(record, id);
   world_.impl_->redefine(index_of(world_.impl_->stores, id, "set_shape"), kind_in(record));
 }
 

@@ -256,4 +256,42 @@ class StateHash {
   jobs::Hash hash_;
 };
 
+template <typename Archive, typename Optional, typename Visit>
+void visit_optional(Archive& archive, Optional& optional, const Visit& visit) {
+  bool is_there = optional.has_value();
+  archive.value(is_there);
+  if constexpr (Archive::reads) {
+    optional.reset();
+    if (is_there) optional.emplace();
+  }
+  if (is_there) visit(*optional);
+}
+
+/// Visits a number, an id, a vector, quaternion, matrix, array or pose, or what may be one of these.
+template <typename Archive, typename Value>
+void visit_value(Archive& archive, Value& value) {
+  using T = std::remove_const_t<Value>;
+  if constexpr (StateScalar<T>) {
+    archive.value(value);
+  } else if constexpr (requires { value.has_value(); }) {
+    visit_optional(archive, value, [&archive](auto& there) { visit_value(archive, there); });
+  } else if constexpr (requires { value.generation; }) {
+    archive.value(value.index);
+    archive.value(value.generation);
+  } else if constexpr (requires { value.orientation; }) {
+    visit_value(archive, value.position);
+    visit_value(archive, value.orientation);
+  } else if constexpr (requires { value.coeffs(); }) {
+    archive.values(value.coeffs().data(), 4);
+  } else {
+    static_assert(std::is_trivially_destructible_v<T>);  // of a size that is known
+    archive.values(value.data(), static_cast<std::size_t>(value.size()));
+  }
+}
+
+template <typename Archive, typename... Values>
+void visit_all(Archive& archive, Values&... values) {
+  (visit_value(archive, values), ...);
+}
+
 }  // namespace atl

@@ -20,65 +20,36 @@ template <typename Archive, typename Shape>
 void visit_shape(Archive& archive, Shape& shape) {
   archive.value(shape.kind);
   archive.check(shape.kind <= collision::ShapeKind::HeightField, "a shape of no known kind");
-  archive.values(shape.half_extents.data(), 3);
-  archive.value(shape.radius);
+  visit_all(archive, shape.half_extents, shape.radius);
   if (shape.kind == collision::ShapeKind::TaperedCapsule) archive.value(shape.top_radius);
-  archive.value(shape.half_height);
-  archive.values(shape.normal.data(), 3);
-  archive.value(shape.offset);
-  archive.value(shape.bounding_radius);
-  archive.value(shape.inner_radius);
+  visit_all(archive, shape.half_height, shape.normal, shape.offset, shape.bounding_radius, shape.inner_radius);
 }
 
 template <typename Archive, typename AnyMaterial>
 void visit_material(Archive& archive, AnyMaterial& material) {
-  archive.value(material.friction);
-  archive.value(material.friction_across);
-  archive.values(material.friction_direction.data(), 3);
-  archive.value(material.restitution);
-  archive.value(material.rolling_friction);
-  archive.value(material.torsional_friction);
-  archive.value(material.friction_rule);
-  archive.value(material.restitution_rule);
-  archive.value(material.id);
+  visit_all(archive, material.friction, material.friction_across, material.friction_direction, material.restitution,
+            material.rolling_friction, material.torsional_friction, material.friction_rule, material.restitution_rule,
+            material.id);
 }
 
 template <typename Archive, typename Pair>
 void visit_material_pair(Archive& archive, Pair& pair) {
-  archive.value(pair.first);
-  archive.value(pair.second);
-  for (auto* number : {&pair.friction, &pair.friction_across, &pair.restitution}) {
-    visit_optional(archive, *number, [&](auto& value) { archive.value(value); });
-  }
+  visit_all(archive, pair.first, pair.second, pair.friction, pair.friction_across, pair.restitution);
 }
 
 template <typename Archive, typename Constants>
 void visit_constants(Archive& archive, Constants& body) {
   archive.value(body.type);
   archive.check(body.type >= BodyType::Static && body.type <= BodyType::Dynamic, "a body of no known type");
-  archive.value(body.continuous);
-  archive.value(body.sensor);
-  archive.value(body.notices_static);
-  archive.value(body.notices_sensors);
-  visit_optional(archive, body.contact_event_force, [&](auto& force) { archive.value(force); });
+  visit_all(archive, body.continuous, body.sensor, body.notices_static, body.notices_sensors, body.contact_event_force);
   visit_material(archive, body.material);
   visit_each(archive, body.materials, 32, [&](auto& material) { visit_material(archive, material); });
   archive.value(body.locks);
   archive.check(body.locks <= (body.type == BodyType::Dynamic ? solver::all_locks : 0),
                 "a body with locks that there are none of");
-  archive.value(body.may_sleep);
-  visit_optional(archive, body.max_speed, [&](auto& speed) { archive.value(speed); });
-  visit_optional(archive, body.max_angular_speed, [&](auto& speed) { archive.value(speed); });
-  archive.value(body.gravity_scale);
-  archive.value(body.linear_damping);
-  archive.value(body.angular_damping);
-  archive.values(body.centre.data(), 3);
-  archive.value(body.inverse_mass);
-  archive.values(body.inertia.data(), 9);
-  archive.values(body.inverse_inertia.data(), 9);
-  archive.value(body.gyroscopic);
-  archive.values(body.principal_axes.coeffs().data(), 4);
-  archive.values(body.moments.data(), 3);
+  visit_all(archive, body.may_sleep, body.max_speed, body.max_angular_speed, body.gravity_scale, body.linear_damping,
+            body.angular_damping, body.centre, body.inverse_mass, body.inertia, body.inverse_inertia, body.gyroscopic,
+            body.principal_axes, body.moments);
   auto count = static_cast<std::uint32_t>(body.colliders.size());
   archive.value(count);
   if constexpr (Archive::reads) {
@@ -88,10 +59,7 @@ void visit_constants(Archive& archive, Constants& body) {
   }
   for (auto& collider : body.colliders) {
     visit_shape(archive, collider.shape);
-    archive.values(collider.local.position.data(), 3);
-    archive.values(collider.local.orientation.coeffs().data(), 4);
-    archive.value(collider.content);
-    archive.value(collider.density_factor);
+    visit_all(archive, collider.local, collider.content, collider.density_factor);
     visit_optional(archive, collider.material, [&](auto& material) { visit_material(archive, material); });
     visit_optional(archive, collider.filter, [&](auto& filter) { visit_filter(archive, filter); });
   }

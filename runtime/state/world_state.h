@@ -40,9 +40,7 @@ namespace atl {
 
 template <typename Archive>
 void visit_finding(Archive& archive, solver::SolverSelection::Finding& finding) {
-  archive.value(finding.mode);
-  archive.value(finding.swept);
-  archive.value(finding.bodies);
+  visit_all(archive, finding.mode, finding.swept, finding.bodies);
   const bool by_load = finding.mode == solver::SolveMode::Sweep || finding.mode == solver::SolveMode::Refined ||
                        finding.mode == solver::SolveMode::Direct;
   archive.check(by_load && finding.swept >= 0 && std::isfinite(finding.swept), "a way to solve islands that is none");
@@ -50,14 +48,8 @@ void visit_finding(Archive& archive, solver::SolverSelection::Finding& finding) 
 
 template <typename Archive>
 void visit_history(Archive& archive, solver::SubstepControl::History& history) {
-  archive.value(history.substeps);
-  archive.value(history.max);
-  archive.value(history.asked);
-  archive.value(history.needed);
-  archive.value(history.looked_at);
-  archive.value(history.hold);
-  archive.value(history.unchanged);
-  archive.value(history.lowered);
+  visit_all(archive, history.substeps, history.max, history.asked, history.needed, history.looked_at, history.hold,
+            history.unchanged, history.lowered);
   constexpr int max = 1024;
   const auto is_time = [](float time) { return time >= 0 && std::isfinite(time); };
   archive.check(history.substeps <= max && history.max <= max && history.asked <= max &&
@@ -102,8 +94,7 @@ void visit_id_pairs(Archive& archive, Pairs& pairs, std::size_t bodies) {
   }
   for (auto& [first, second] : pairs) {
     for (auto* id : {&first, &second}) {
-      archive.value(id->index);
-      archive.value(id->generation);
+      visit_value(archive, *id);
       archive.check(id->index < bodies, "the number of a body that there can't be");
     }
   }
@@ -115,8 +106,7 @@ void visit_id_pairs(Archive& archive, Pairs& pairs, std::size_t bodies) {
 
 template <typename Archive, typename Pair>
 void visit_pair(Archive& archive, Pair& pair) {
-  archive.value(pair.first);
-  archive.value(pair.second);
+  visit_all(archive, pair.first, pair.second);
 }
 
 /// Forces or torques, of which a world that nobody pushes has none.
@@ -210,7 +200,7 @@ void visit_control(Archive& archive, AnyWorld& world) {
     check_body(body);
     solver::MotionError::Acceleration acceleration = {};
     if constexpr (!Archive::reads) acceleration = control.motion().acceleration(body);
-    archive.values(acceleration.data(), acceleration.size());
+    visit_value(archive, acceleration);
     if constexpr (Archive::reads) {
       archive.check(std::all_of(acceleration.begin(), acceleration.end(), [](float x) { return std::isfinite(x); }),
                     "an acceleration that is not finite");
@@ -300,8 +290,7 @@ class WorldState {
       visit_definition(archive_, *joints.def[index]);
     }
     const auto enabled = joints.enabled[index];
-    archive_.value(joints.enabled[index]);
-    archive_.value(joints.broken[index]);
+    visit_all(archive_, joints.enabled[index], joints.broken[index]);
     archive_.check(joints.enabled[index] <= 1 && joints.broken[index] <= 1, "a flag that is neither 0 nor 1");
     visit_joint(archive_, joints.joints[index], joints.limit_before[index]);
     return same && enabled == joints.enabled[index];
@@ -343,16 +332,14 @@ class WorldState {
     } else {
       visit_settings(archive_, world_.settings);
     }
-    archive_.values(world_.gravity.data(), 3);
+    visit_value(archive_, world_.gravity);
     archive_.check(world_.gravity.allFinite(), "gravity that is not finite");
     archive_.value(world_.clock.last_dt);
     archive_.check(world_.clock.last_dt >= 0 && world_.clock.last_dt <= 1, "a step of no valid duration");
     archive_.value(world_.results.contact_events.reported);
     // These values serve reports only, so the hash leaves them out.
     if constexpr (!Archive::hashes) {
-      archive_.value(world_.clock.last_substep);
-      archive_.value(world_.clock.steps);
-      archive_.value(world_.clock.time);
+      visit_all(archive_, world_.clock.last_substep, world_.clock.steps, world_.clock.time);
       archive_.check(world_.clock.time >= 0 && std::isfinite(world_.clock.time), "a time that is none");
     }
   }
@@ -417,9 +404,7 @@ class WorldState {
       for (std::uint32_t body = 0; body < world_.bodies.surfaces.size(); ++body) {
         const solver::Surface& surface = world_.bodies.surfaces[body];
         if (!is_body(body) || (surface.rolling_friction == 0 && surface.torsional_friction == 0)) continue;
-        archive_.value(body);
-        archive_.value(surface.rolling_friction);
-        archive_.value(surface.torsional_friction);
+        visit_all(archive_, body, surface.rolling_friction, surface.torsional_friction);
       }
     }
   }
@@ -478,8 +463,7 @@ class WorldState {
     visit_some(archive_, list.remembers_poses() || reads ? body_count() : 0, strays, [&](std::uint32_t body) {
       solver::BodyPose pose;
       if constexpr (!reads) pose = *list.pose_before(body);
-      archive_.values(pose.position.data(), 3);
-      archive_.values(pose.orientation.coeffs().data(), 4);
+      visit_value(archive_, pose);
       if constexpr (reads) {
         archive_.check_number(solver::is_in_place(pose.position, pose.orientation),
                               "a pose to go back to that is none");
@@ -613,14 +597,12 @@ class WorldState {
       if (world_.colliders.shape[collider].kind == collision::ShapeKind::HalfSpace) {
         collision::Plane plane;
         if constexpr (!reads) plane = broadphase.proxies().plane(collider);
-        archive_.values(plane.normal.data(), 3);
-        archive_.value(plane.offset);
+        visit_all(archive_, plane.normal, plane.offset);
         if constexpr (reads) restore_plane(world_, collider, plane);
       } else {
         collision::Aabb box;
         if constexpr (!reads) box = broadphase.proxies().fat_box(collider);
-        archive_.values(box.lower.data(), 3);
-        archive_.values(box.upper.data(), 3);
+        visit_all(archive_, box.lower, box.upper);
         if constexpr (reads) restore_box(world_, collider, box);
       }
     }
