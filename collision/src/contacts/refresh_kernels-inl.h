@@ -60,9 +60,9 @@ HWY_INLINE void relate_poses(const RefreshBlock& block, const OldOrientations& o
       promote(old.orientation[3] + lane)};
   const WideV3 arm_reference = rotate(reference, centre_reference);
   const WideV3 arm_incident = rotate(incident, centre_incident);
-  const WideV3 between = subtract(load_wide3(of(block.position_incident)), load_wide3(of(block.position_reference)));
+  const WideV3 between = load_wide3(of(block.position_incident)) - load_wide3(of(block.position_reference));
   const WideQ turn = times_conjugate(conjugate_times(reference, incident), turned_before);
-  narrow3(subtract(add(between, arm_incident), arm_reference), to.shift, lane);
+  narrow3((between + arm_incident) - arm_reference, to.shift, lane);
   narrow3(arm_reference, to.arm_reference, lane);
   narrow3(arm_incident, to.arm_incident, lane);
   narrow3(reference.v, to.orientation_reference, lane);

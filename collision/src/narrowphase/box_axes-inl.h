@@ -43,12 +43,12 @@ HWY_INLINE void find_box_axes(const BoxBlock& block, std::size_t lane, BoxAxes& 
   // The second box in the frame of the first.
   const WideQ first = load_wide4(of(block.orientation_first));
   const WideQ q = conjugate_times(first, load_wide4(of(block.orientation_second)));
-  const WideV3 between = subtract(load_wide3(of(block.position_second)), load_wide3(of(block.position_first)));
+  const WideV3 between = load_wide3(of(block.position_second)) - load_wide3(of(block.position_first));
   const WideQ inverse = {{hn::Neg(first.v.x), hn::Neg(first.v.y), hn::Neg(first.v.z)}, first.w};
   const WideV3 seen = rotate(inverse, between);
   const WideV t[3] = {seen.x, seen.y, seen.z};
   const WideV one = wide(1);
-  const WideV3 twice = add(q.v, q.v);
+  const WideV3 twice = q.v + q.v;
   const WideV xx = hn::Mul(twice.x, q.v.x), xy = hn::Mul(twice.x, q.v.y), xz = hn::Mul(twice.x, q.v.z);
   const WideV yy = hn::Mul(twice.y, q.v.y), yz = hn::Mul(twice.y, q.v.z), zz = hn::Mul(twice.z, q.v.z);
   const WideV wx = hn::Mul(twice.x, q.w), wy = hn::Mul(twice.y, q.w), wz = hn::Mul(twice.z, q.w);
@@ -111,7 +111,7 @@ HWY_INLINE void find_box_axes(const BoxBlock& block, std::size_t lane, BoxAxes& 
   put(axes.edge, hn::CopySign(hn::Sqrt(hn::Abs(edge.separation)), edge.separation));
   put(axes.edge_code, edge.code);
 
-  const WideV distance = hn::Sqrt(wide_dot(seen, seen));
+  const WideV distance = hn::Sqrt(dot(seen, seen));
   const WideV from_second[3] = {
       hn::Add(hn::Add(hn::Mul(r[0][0], t[0]), hn::Mul(r[1][0], t[1])), hn::Mul(r[2][0], t[2])),
       hn::Add(hn::Add(hn::Mul(r[0][1], t[0]), hn::Mul(r[1][1], t[1])), hn::Mul(r[2][1], t[2])),

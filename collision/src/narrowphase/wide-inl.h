@@ -21,9 +21,7 @@ using Wide = hn::CappedTag<double, block_lanes>;
 using WideV = hn::Vec<Wide>;
 constexpr std::size_t wide_lanes = hn::MaxLanes(Wide());
 
-struct WideV3 {
-  WideV x, y, z;
-};
+using WideV3 = Vector3Lanes<WideV>;
 struct WideQ {
   WideV3 v;
   WideV w;
@@ -83,33 +81,17 @@ HWY_INLINE WideQ load_wide4(const From& from) {
   const WidePair zw = load_pairs([&](std::size_t k) { return from(k) + 2; });
   return {{xy.first, xy.second, zw.first}, zw.second};
 }
-HWY_INLINE WideV3 add(const WideV3& a, const WideV3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE WideV3 subtract(const WideV3& a, const WideV3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE WideV3 scale(WideV s, const WideV3& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
-HWY_INLINE WideV wide_dot(const WideV3& a, const WideV3& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE WideV3 wide_cross(const WideV3& a, const WideV3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
 // v + 2 w (u x v) + 2 u x (u x v), u the vector part.
 HWY_INLINE WideV3 rotate(const WideQ& q, const WideV3& v) {
-  const WideV3 t = wide_cross(q.v, v);
-  const WideV3 twice = add(t, t);
-  return add(add(v, scale(q.w, twice)), wide_cross(q.v, twice));
+  const WideV3 t = cross(q.v, v);
+  const WideV3 twice = t + t;
+  return (v + q.w * twice) + cross(q.v, twice);
 }
 HWY_INLINE WideQ conjugate_times(const WideQ& a, const WideQ& b) {
-  const WideV3 v = add(subtract(scale(a.w, b.v), scale(b.w, a.v)), wide_cross(b.v, a.v));
-  return {v, hn::Add(hn::Mul(a.w, b.w), wide_dot(a.v, b.v))};
+  return {(a.w * b.v - b.w * a.v) + cross(b.v, a.v), hn::Add(hn::Mul(a.w, b.w), dot(a.v, b.v))};
 }
 HWY_INLINE WideQ times_conjugate(const WideQ& a, const WideQ& b) {
-  const WideV3 v = add(subtract(scale(b.w, a.v), scale(a.w, b.v)), wide_cross(b.v, a.v));
-  return {v, hn::Add(hn::Mul(a.w, b.w), wide_dot(a.v, b.v))};
+  return {(b.w * a.v - a.w * b.v) + cross(b.v, a.v), hn::Add(hn::Mul(a.w, b.w), dot(a.v, b.v))};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -43,9 +43,12 @@ HWY_INLINE V zero() { return hn::Zero(D()); }
 HWY_INLINE V load(const float* from) { return hn::Load(D(), from); }
 HWY_INLINE void store(V value, float* to) { hn::Store(value, D(), to); }
 
-struct V3 {
-  V x, y, z;
+// Of floats or doubles.
+template <typename Lane>
+struct Vector3Lanes {
+  Lane x, y, z;
 };
+using V3 = Vector3Lanes<V>;
 
 HWY_INLINE V3 load3(const float (*rows)[block_lanes], std::size_t lane) {
   return {load(rows[0] + lane), load(rows[1] + lane), load(rows[2] + lane)};
@@ -56,14 +59,25 @@ HWY_INLINE void store3(const V3& v, float (*rows)[block_lanes], std::size_t lane
   store(v.z, rows[2] + lane);
 }
 
-HWY_INLINE V3 operator+(const V3& a, const V3& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
-HWY_INLINE V3 operator-(const V3& a, const V3& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
-HWY_INLINE V3 operator*(V s, const V3& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
+template <typename Lane>
+HWY_INLINE Vector3Lanes<Lane> operator+(const Vector3Lanes<Lane>& a, const Vector3Lanes<Lane>& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+template <typename Lane>
+HWY_INLINE Vector3Lanes<Lane> operator-(const Vector3Lanes<Lane>& a, const Vector3Lanes<Lane>& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+template <typename Lane>
+HWY_INLINE Vector3Lanes<Lane> operator*(Lane s, const Vector3Lanes<Lane>& a) {
+  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
+}
 
-HWY_INLINE V dot(const V3& a, const V3& b) {
+template <typename Lane>
+HWY_INLINE Lane dot(const Vector3Lanes<Lane>& a, const Vector3Lanes<Lane>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
-HWY_INLINE V3 cross(const V3& a, const V3& b) {
+template <typename Lane>
+HWY_INLINE Vector3Lanes<Lane> cross(const Vector3Lanes<Lane>& a, const Vector3Lanes<Lane>& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
