@@ -151,10 +151,7 @@ collision::Bounds changed_bounds(const Stores& world, std::uint32_t collider, co
                       (static_cast<double>(top) - 1) * field.spacing_y, highest);
   const collision::Pose pose =
       world.colliders.pose(collider, {world.bodies.positions.data(), world.bodies.orientations.data()});
-  const Matrix3 rotation = pose.orientation.toRotationMatrix();
-  const Vector3 centre = pose.position + rotation * (lower + upper) / 2;
-  const Vector3 half = rotation.cwiseAbs() * (upper - lower) / 2;
-  return {centre - half, centre + half};
+  return collision::bounds_of_box(lower, upper, pose.position, pose.orientation.toRotationMatrix());
 }
 
 // The contacts of a collider that triangles within these bounds may have a part in are computed anew in the next step.

@@ -52,12 +52,6 @@ Bounds bounds_of_hull(const Hull& hull, const Vector3& position, const Matrix3& 
   return {position + min, position + max};
 }
 
-Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& position, const Matrix3& rotation) {
-  const Vector3 centre = position + rotation * (lower + upper) / 2;
-  const Vector3 half = rotation.cwiseAbs() * (upper - lower) / 2;
-  return {centre - half, centre + half};
-}
-
 // The reach of a mesh along a direction. Skips subtrees that reach less far than the best so far.
 double reach_of_mesh(const TriangleMesh& mesh, const Vector3& direction) {
   double reach = -std::numeric_limits<double>::infinity();
@@ -92,6 +86,12 @@ Bounds bounds_of_mesh(const TriangleMesh& mesh, const Vector3& position, const M
 Aabb Aabb::around(const Vector3& lower, const Vector3& upper) {
   return {{round_down(lower.x()), round_down(lower.y()), round_down(lower.z())},
           {round_up(upper.x()), round_up(upper.y()), round_up(upper.z())}};
+}
+
+Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& position, const Matrix3& rotation) {
+  const Vector3 centre = position + rotation * (lower + upper) / 2;
+  const Vector3 half = rotation.cwiseAbs() * (upper - lower) / 2;
+  return {centre - half, centre + half};
 }
 
 Bounds bounds_of(const Shape& shape, const Vector3& position, const Matrix3& rotation) {

@@ -66,6 +66,8 @@ struct Bounds {
   Vector3 upper;
 };
 Bounds bounds_of(const Shape& shape, const Vector3& position, const Matrix3& rotation);
+/// The same of a box between two corners.
+Bounds bounds_of_box(const Vector3& lower, const Vector3& upper, const Vector3& position, const Matrix3& rotation);
 
 /// Square of the distance (m^2) of a box from bounds; 0 where they overlap.
 inline double square_apart(const Aabb& box, const Bounds& bounds) {
