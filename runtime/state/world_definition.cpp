@@ -19,34 +19,6 @@ namespace {
 
 using collision::ShapeKind;
 
-const char* name_of(ShapeKind kind) {
-  switch (kind) {
-    case ShapeKind::Sphere:
-      return "Sphere";
-    case ShapeKind::Capsule:
-      return "Capsule";
-    case ShapeKind::Box:
-      return "Box";
-    case ShapeKind::Cylinder:
-      return "Cylinder";
-    case ShapeKind::Cone:
-      return "Cone";
-    case ShapeKind::Hull:
-      return "ConvexHull";
-    case ShapeKind::Ellipsoid:
-      return "Ellipsoid";
-    case ShapeKind::TaperedCapsule:
-      return "TaperedCapsule";
-    case ShapeKind::HalfSpace:
-      return "HalfSpace";
-    case ShapeKind::Mesh:
-      return "TriangleMesh";
-    case ShapeKind::HeightField:
-      return "HeightField";
-  }
-  return "?";
-}
-
 void describe(std::ostream& out, const CheckedCollider& collider) {
   const collision::Shape& shape = collider.shape;
   out << name_of(shape.kind);

@@ -3,45 +3,15 @@
 namespace atl {
 
 const char* phase_name(Phase phase) {
-  switch (phase) {
-    case Phase::Plan:
-      return "plan";
-    case Phase::FindPairs:
-      return "find_pairs";
-    case Phase::UpdateContacts:
-      return "update_contacts";
-    case Phase::BuildIslands:
-      return "build_islands";
-    case Phase::SolveIslands:
-      return "solve_islands";
-    case Phase::SweepFastBodies:
-      return "sweep_fast_bodies";
-    case Phase::Finish:
-      return "finish";
-  }
-  return "";
+  constexpr std::array<const char*, phase_count> names = {
+      "plan", "find_pairs", "update_contacts", "build_islands", "solve_islands", "sweep_fast_bodies", "finish"};
+  return names[static_cast<std::size_t>(phase)];
 }
 
 const char* solver_phase_name(SolverPhase phase) {
-  switch (phase) {
-    case SolverPhase::Colour:
-      return "colour";
-    case SolverPhase::Prepare:
-      return "prepare";
-    case SolverPhase::WarmStart:
-      return "warm_start";
-    case SolverPhase::Solve:
-      return "solve";
-    case SolverPhase::Relax:
-      return "relax";
-    case SolverPhase::Integrate:
-      return "integrate";
-    case SolverPhase::Restitution:
-      return "restitution";
-    case SolverPhase::Store:
-      return "store";
-  }
-  return "";
+  constexpr std::array<const char*, solver_phase_count> names = {"colour", "prepare",   "warm_start",  "solve",
+                                                                 "relax",  "integrate", "restitution", "store"};
+  return names[static_cast<std::size_t>(phase)];
 }
 
 }  // namespace atl

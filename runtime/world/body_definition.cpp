@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <utility>
 
@@ -31,11 +30,13 @@ struct ShapeCheck {
     colliders.push_back({shape, {Vector3::Zero(), collision::Quaternion::Identity()}, std::move(geometry), content});
   }
 
+  void check_sizes(const char* member, const Vector3& sizes) const {
+    if (!sizes.allFinite() || !(sizes.minCoeff() > 0)) refuse(what + member, sizes, "three finite numbers above 0");
+    for (const double size : sizes) check_positive(what + member, size);
+  }
+
   void operator()(const Box& box) const {
-    if (!box.half_extents.allFinite() || !(box.half_extents.minCoeff() > 0)) {
-      refuse(what + ": Box.half_extents", box.half_extents, "three finite numbers above 0");
-    }
-    for (const double half_extent : box.half_extents) check_positive(what + ": Box.half_extents", half_extent);
+    check_sizes(": Box.half_extents", box.half_extents);
     add(collision::Shape::box(box.half_extents));
   }
 
@@ -44,29 +45,17 @@ struct ShapeCheck {
     add(collision::Shape::sphere(sphere.radius));
   }
 
-  void operator()(const Capsule& capsule) const {
-    check_positive(what + ": Capsule.radius", capsule.radius);
-    check_positive(what + ": Capsule.half_height", capsule.half_height);
-    add(collision::Shape::capsule(capsule.radius, capsule.half_height));
+  void add_round(const char* name, const auto& solid, collision::Shape (*make)(double, double)) const {
+    check_positive(what + ": " + name + ".radius", solid.radius);
+    check_positive(what + ": " + name + ".half_height", solid.half_height);
+    add(make(solid.radius, solid.half_height));
   }
-
-  void operator()(const Cylinder& cylinder) const {
-    check_positive(what + ": Cylinder.radius", cylinder.radius);
-    check_positive(what + ": Cylinder.half_height", cylinder.half_height);
-    add(collision::Shape::cylinder(cylinder.radius, cylinder.half_height));
-  }
-
-  void operator()(const Cone& cone) const {
-    check_positive(what + ": Cone.radius", cone.radius);
-    check_positive(what + ": Cone.half_height", cone.half_height);
-    add(collision::Shape::cone(cone.radius, cone.half_height));
-  }
+  void operator()(const Capsule& capsule) const { add_round("Capsule", capsule, collision::Shape::capsule); }
+  void operator()(const Cylinder& cylinder) const { add_round("Cylinder", cylinder, collision::Shape::cylinder); }
+  void operator()(const Cone& cone) const { add_round("Cone", cone, collision::Shape::cone); }
 
   void operator()(const Ellipsoid& ellipsoid) const {
-    if (!ellipsoid.half_axes.allFinite() || !(ellipsoid.half_axes.minCoeff() > 0)) {
-      refuse(what + ": Ellipsoid.half_axes", ellipsoid.half_axes, "three finite numbers above 0");
-    }
-    for (const double half_axis : ellipsoid.half_axes) check_positive(what + ": Ellipsoid.half_axes", half_axis);
+    check_sizes(": Ellipsoid.half_axes", ellipsoid.half_axes);
     add(collision::Shape::ellipsoid(ellipsoid.half_axes));
   }
 
@@ -257,17 +246,15 @@ Quaternion checked_orientation(const char* what, const Quaternion& value) {
   return Quaternion(unit_of(value.coeffs()));
 }
 
+const char* name_of(collision::ShapeKind kind) {
+  constexpr const char* names[] = {"Sphere",    "Capsule",      "Box",        "Cylinder",
+                                   "Cone",      "ConvexHull",   "Ellipsoid",  "TaperedCapsule",
+                                   "HalfSpace", "TriangleMesh", "HeightField"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
 const char* massless_name(collision::ShapeKind kind) {
-  switch (kind) {
-    case collision::ShapeKind::HalfSpace:
-      return "HalfSpace";
-    case collision::ShapeKind::Mesh:
-      return "TriangleMesh";
-    case collision::ShapeKind::HeightField:
-      return "HeightField";
-    default:
-      return nullptr;
-  }
+  return collision::is_convex_solid(kind) ? nullptr : name_of(kind);
 }
 
 std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& shape) {

@@ -114,7 +114,9 @@ void give_mass(const char* field, double mass, BodyConstants& body);
 
 // For the calls that change a body later, and for queries. Each throws as check() does; `what` names the argument.
 Quaternion checked_orientation(const char* what, const Quaternion& value);
-/// The public name of a shape kind that has no volume, and so no finite mass; null for solids.
+/// The public name of a shape kind.
+const char* name_of(collision::ShapeKind kind);
+/// The same of one that has no volume, and so no finite mass; null for solids.
 const char* massless_name(collision::ShapeKind kind);
 
 std::vector<CheckedCollider> checked_colliders(const char* what, const Shape& shape);

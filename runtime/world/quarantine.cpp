@@ -7,23 +7,14 @@
 namespace atl {
 
 const char* quarantine_reason(Quarantine reason) {
-  switch (reason) {
-    case Quarantine::NotFinite:
-      return "its state is not finite";
-    case Quarantine::TooFar:
-      return "it is farther than 1e12 m from the origin";
-    case Quarantine::TooFast:
-      return "its speed is above 1e6 m/s";
-    case Quarantine::TooFastSpin:
-      return "its angular speed is above 1e6 rad/s";
-    case Quarantine::TooFastSurface:
-      return "the speed of its surface is above 1e6 m/s or rad/s";
-    case Quarantine::TooMuchForce:
-      return "forces would take its speed above 1e6 m/s in one step";
-    case Quarantine::TooMuchTorque:
-      return "torques would take its angular speed above 1e6 rad/s in one step";
-  }
-  return "";
+  constexpr const char* reasons[] = {"its state is not finite",
+                                     "it is farther than 1e12 m from the origin",
+                                     "its speed is above 1e6 m/s",
+                                     "its angular speed is above 1e6 rad/s",
+                                     "the speed of its surface is above 1e6 m/s or rad/s",
+                                     "forces would take its speed above 1e6 m/s in one step",
+                                     "torques would take its angular speed above 1e6 rad/s in one step"};
+  return reasons[static_cast<std::size_t>(reason)];
 }
 
 std::size_t QuarantineList::find(std::uint32_t body) const {
