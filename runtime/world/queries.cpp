@@ -5,10 +5,8 @@
 #include <collision/queries/query.h>
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <string>
-#include <utility>
 
 #include "world/body_definition.h"
 #include "world/refuse.h"
@@ -234,6 +232,14 @@ std::optional<ClosestPoint> closest(const QueryAccess& access, const collision::
   return named(access, found);
 }
 
+template <typename Named>
+std::vector<Named> all_named(const QueryAccess& access, const auto& found, const auto&... more) {
+  std::vector<Named> all;
+  all.reserve(found.size());
+  for (const auto& each : found) all.push_back(named(access, each, more...));
+  return all;
+}
+
 std::string numbered(const char* what, std::size_t i) { return what + ("[" + std::to_string(i) + "]"); }
 
 // Checks all questions, then answers them in parallel.
@@ -265,10 +271,7 @@ std::vector<RayHit> Queries::cast_ray_through(const Ray& ray, const QueryFilter&
   std::vector<collision::ColliderRayHit> found;
   const Filter accept(access, filter);
   collision::cast_ray_all(access.scene(), good.ray, good.sides, accept, found);
-  std::vector<RayHit> hits;
-  hits.reserve(found.size());
-  for (const collision::ColliderRayHit& hit : found) hits.push_back(named(access, hit));
-  return hits;
+  return all_named<RayHit>(access, found);
 }
 
 bool Queries::is_blocked(const Ray& ray, const QueryFilter& filter) const {
@@ -287,10 +290,7 @@ std::vector<ShapeHit> Queries::cast_shape_through(const ShapeCast& cast, const Q
   std::vector<collision::ColliderSweepHit> found;
   const Filter accept(access, filter);
   collision::cast_shape_all(access.scene(), solid.shape, solid.pose, cast.translation, accept, found);
-  std::vector<ShapeHit> hits;
-  hits.reserve(found.size());
-  for (const collision::ColliderSweepHit& hit : found) hits.push_back(named(access, hit, cast.translation.norm()));
-  return hits;
+  return all_named<ShapeHit>(access, found, cast.translation.norm());
 }
 
 std::vector<BodyId> Queries::overlapping(const QueryShape& shape, const QueryFilter& filter) const {
@@ -313,10 +313,7 @@ std::vector<ClosestPoint> Queries::nearby(const QueryShape& shape, double max_di
   std::vector<collision::ColliderDistance> found;
   const Filter accept(access, filter);
   collision::find_near(access.scene(), solid.shape, solid.pose, max_distance, accept, found);
-  std::vector<ClosestPoint> points;
-  points.reserve(found.size());
-  for (const collision::ColliderDistance& near : found) points.push_back(named(access, near));
-  return points;
+  return all_named<ClosestPoint>(access, found);
 }
 
 std::vector<std::optional<RayHit>> Queries::cast_rays(std::span<const Ray> rays, const QueryFilter& filter) const {
