@@ -67,6 +67,6 @@ def _axes(places: Sequence[int], directions: Floats) -> Floats | None:
         axes[:, place] = np.cross(axes[:, place - 2], axes[:, place - 1])
     if len(set(places)) < 2:
         return None
-    as_told = np.allclose(axes[:, places].T, directions, rtol=0, atol=_ROUNDING)
+    as_given = np.allclose(axes[:, places].T, directions, rtol=0, atol=_ROUNDING)
     right = np.allclose(axes.T @ axes, np.eye(3), rtol=0, atol=_ROUNDING) and np.linalg.det(axes) > 0
-    return axes if as_told and right else None
+    return axes if as_given and right else None
