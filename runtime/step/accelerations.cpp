@@ -1,6 +1,5 @@
 #include <jobs/assert.h>
 
-#include <algorithm>
 #include <string>
 
 #include "step/results.h"

@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "step/contact_rules.h"
 #include "step/step_context.h"

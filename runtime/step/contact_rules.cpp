@@ -5,7 +5,6 @@
 #include <solver/integrate/state_bounds.h>
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <tuple>
 #include <utility>

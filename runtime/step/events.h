@@ -3,9 +3,7 @@
 
 #include <solver/islands/joint_graph.h>
 
-#include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "step/step_context.h"

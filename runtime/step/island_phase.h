@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "step/contact_phase.h"
 #include "step/step_context.h"

@@ -3,8 +3,6 @@
 
 #include <jobs/arena.h>
 
-#include <cstdint>
-
 #include "world/stores.h"
 
 namespace atl {

@@ -4,7 +4,6 @@
 #include <jobs/assert.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "world/materials.h"

@@ -3,7 +3,6 @@
 #include <atoll/world.h>
 #include <jobs/arrays.h>
 
-#include <cstddef>
 #include <utility>
 #include <vector>
 

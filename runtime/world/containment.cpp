@@ -10,7 +10,6 @@
 #include <solver/integrate/state_bounds.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <sstream>
 

@@ -2,7 +2,6 @@
 
 #include <atoll/error.h>
 
-#include <cmath>
 #include <sstream>
 
 #include "world/refuse.h"

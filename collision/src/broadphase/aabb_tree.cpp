@@ -2,7 +2,6 @@
 #include <jobs/assert.h>
 #include <jobs/scratch.h>
 
-#include <algorithm>
 #include <utility>
 
 namespace atl::collision {

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 
 #include "contacts/contact_range.h"
 #include "contacts/manifold_refresher.h"

@@ -6,7 +6,6 @@
 #include <jobs/assert.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "continuous/moving_core.h"
 

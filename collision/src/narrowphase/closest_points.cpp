@@ -1,7 +1,6 @@
 #include <collision/narrowphase/distance.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "narrowphase/convex_core.h"
 #include "narrowphase/gjk.h"

@@ -2,7 +2,6 @@
 
 #include <jobs/assert.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

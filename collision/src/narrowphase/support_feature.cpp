@@ -1,7 +1,6 @@
 #include <collision/narrowphase/support_feature.h>
 #include <jobs/assert.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 

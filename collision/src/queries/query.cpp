@@ -3,7 +3,6 @@
 #include <jobs/assert.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace atl::collision {
 namespace {

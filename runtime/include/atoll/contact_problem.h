@@ -2,7 +2,6 @@
 
 #include <atoll/types.h>
 
-#include <array>
 #include <cstddef>
 #include <vector>
 

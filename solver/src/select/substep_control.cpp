@@ -3,7 +3,6 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace atl::solver {
 namespace {

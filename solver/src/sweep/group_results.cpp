@@ -2,8 +2,6 @@
 
 #include <features/with_joints.h>
 
-#include <algorithm>
-
 #include "integrate/rows3.h"
 
 namespace atl::solver {

@@ -5,7 +5,6 @@
 #include <jobs/compact_array.h>
 
 #include <cstdint>
-#include <vector>
 
 namespace atl::collision {
 

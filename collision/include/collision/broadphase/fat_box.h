@@ -2,8 +2,6 @@
 
 #include <collision/shapes/aabb.h>
 
-#include <algorithm>
-
 namespace atl::collision {
 
 /// Number of steps ahead for which a fat box contains a shape that keeps its velocity. Tuned with

@@ -2,7 +2,6 @@
 
 #include <collision/shapes/aabb.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace atl::collision {

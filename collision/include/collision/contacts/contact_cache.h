@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <iterator>
 #include <span>
-#include <vector>
 
 namespace atl::collision {
 

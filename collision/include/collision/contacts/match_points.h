@@ -2,8 +2,6 @@
 
 #include <collision/contacts/contact.h>
 
-#include <cstdint>
-
 namespace atl::collision {
 
 /// Impulses of an old manifold, by what identifies its points.

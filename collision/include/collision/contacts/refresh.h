@@ -4,7 +4,6 @@
 #include <jobs/block_lanes.h>
 
 #include <array>
-#include <cstdint>
 
 namespace atl::collision {
 

@@ -5,7 +5,6 @@
 #include <collision/shapes/shape.h>
 
 #include <array>
-#include <cstdint>
 
 namespace atl::collision {
 

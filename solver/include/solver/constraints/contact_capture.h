@@ -3,7 +3,6 @@
 #include <solver/integrate/body_table.h>
 
 #include <array>
-#include <cstdint>
 #include <vector>
 
 namespace atl::solver {

@@ -12,7 +12,6 @@
 #include <solver/sweep/joint_inertia.h>
 #include <solver/sweep/passive_energy.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 

@@ -4,8 +4,6 @@
 #include <solver/sweep/group_parts.h>
 #include <solver/sweep/group_report.h>
 
-#include <cstddef>
-
 namespace atl::jobs {
 class WorkerTeam;
 }
