@@ -18,7 +18,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -241,10 +240,17 @@ void visit_sleep_news(Archive& archive, AnySleeping& sleeping, std::size_t bodie
 
 template <typename Archive, typename AnyWorld>
 void visit_material_pairs(Archive& archive, AnyWorld& world) {
-  std::vector<MaterialPair> pairs = world.material_pairs;
-  if (Archive::hashes && pairs.empty()) return;
-  visit_each(archive, pairs, 2 * sizeof(std::uint64_t), [&](auto& pair) { visit_material_pair(archive, pair); });
-  if constexpr (Archive::reads) restore_material_pairs(world, std::move(pairs));
+  if (Archive::hashes && world.material_pairs.empty()) return;
+  const auto visit = [&](auto& pairs) {
+    visit_each(archive, pairs, 2 * sizeof(std::uint64_t), [&](auto& pair) { visit_material_pair(archive, pair); });
+  };
+  if constexpr (Archive::reads) {
+    std::vector<MaterialPair> pairs;
+    visit(pairs);
+    restore_material_pairs(world, std::move(pairs));
+  } else {
+    visit(world.material_pairs);
+  }
 }
 
 /// `AnyWorld` is Stores, const where the archive doesn't read. Before a state is read the world has its world

@@ -226,7 +226,7 @@ void write_resistance(Stores& world, const solver::Islands& islands) {
     solver::SurfaceContact& contact = world.surface_contacts[pair.slot];
     contact.rolling_friction = static_cast<float>(std::max(a.rolling_friction, b.rolling_friction));
     contact.torsional_friction = static_cast<float>(std::max(a.torsional_friction, b.torsional_friction));
-    record_grip(world, world.cache.contacts[pair.slot], a, b, world.cache.manifolds[pair.slot], contact);
+    record_grip(world, of, a, b, world.cache.manifolds[pair.slot], contact);
   }
 }
 
