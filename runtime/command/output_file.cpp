@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "failure.h"
-#include "state/file_beside.h"
+#include "state/files.h"
 
 namespace atl::command {
 

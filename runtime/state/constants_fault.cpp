@@ -1,10 +1,9 @@
-#include "state/constants_fault.h"
-
 #include <atoll/error.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "state/world_definition.h"
 #include "world/body_definition.h"
 #include "world/refuse.h"
 

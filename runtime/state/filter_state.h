@@ -1,7 +1,6 @@
 #pragma once
 /// Filters, of users and of the broadphase, for archives (state_archive.h).
 
-#include <cstddef>
 #include <cstdint>
 
 #include "state/state_archive.h"

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "state/file_header.h"
+#include "state/files.h"
 #include "state/geometry_state.h"
 #include "state/state_archive.h"
 #include "world/left_out.h"

@@ -2,7 +2,6 @@
 #include <atoll/playback.h>
 #include <features/with_recording.h>
 
-#include <algorithm>
 #include <iterator>
 #include <map>
 #include <optional>

@@ -22,7 +22,7 @@
 
 namespace atl {
 
-/// The hash of one body, folded: see body_parts.h.
+/// The hash of one body, folded: see fold() in body_hashes.h.
 struct RecordedBody {
   BodyId id;
   std::uint64_t parts = 0;

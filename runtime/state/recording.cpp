@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "state/body_hashes.h"
-#include "state/body_parts.h"
 #include "state/recorder.h"
 #include "world/settings_check.h"
 #include "world/world_impl.h"

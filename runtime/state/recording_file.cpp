@@ -7,9 +7,8 @@
 #include <cstring>
 #include <system_error>
 
-#include "state/checksum.h"
+#include "state/files.h"
 #include "state/hex.h"
-#include "state/regular_file.h"
 
 namespace atl {
 namespace {

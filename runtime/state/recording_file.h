@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "state/file_header.h"
+#include "state/files.h"
 
 namespace atl {
 

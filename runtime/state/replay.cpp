@@ -8,8 +8,6 @@
 #include <atoll/world.h>
 #include <features/with_recording.h>
 
-#include <algorithm>
-#include <array>
 #include <cstring>
 #include <memory>
 #include <span>
@@ -17,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "state/body_parts.h"
+#include "state/body_hashes.h"
 #include "state/geometry_state.h"
 #include "state/recorded_calls.h"
 #include "state/recorder.h"

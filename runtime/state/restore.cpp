@@ -11,10 +11,8 @@
 #include "state/state_archive.h"
 #include "world/bodies.h"
 #include "world/colliders.h"
-#include "world/joint_definition.h"
 #include "world/joints.h"
 #include "world/make_joint.h"
-#include "world/tendons.h"
 
 namespace atl {
 namespace {

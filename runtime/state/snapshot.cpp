@@ -17,11 +17,8 @@
 #include <string>
 #include <system_error>
 
-#include "state/checksum.h"
-#include "state/file_beside.h"
-#include "state/file_header.h"
+#include "state/files.h"
 #include "state/hex.h"
-#include "state/regular_file.h"
 #include "state/state_archive.h"
 #include "state/world_definition_state.h"
 #include "world/left_out.h"

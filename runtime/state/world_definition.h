@@ -3,12 +3,10 @@
 #include <collision/shapes/collider_table.h>
 #include <jobs/compact_array.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "world/body_definition.h"
 
@@ -47,5 +45,10 @@ std::shared_ptr<const WorldDefinition> with_geometry(const std::shared_ptr<const
                                                      const Geometry& from);
 /// Gives a body the geometry that it lacks; returns whether it was all there.
 bool give_geometry(BodyConstants& body, const Geometry& from);
+
+/// Describes a property that no body made by a definition can have, in a message's words; null if there is none. A file
+/// may be damaged or forged, so its bodies need not come from a definition. Geometry is left out: files of snapshots
+/// don't have it.
+const char* constants_fault(const BodyConstants& body);
 
 }  // namespace atl

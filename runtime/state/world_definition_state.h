@@ -8,7 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include "state/constants_fault.h"
 #include "state/filter_state.h"
 #include "state/geometry_state.h"
 #include "state/joint_state.h"

@@ -14,7 +14,6 @@
 
 #include "world/colliders.h"
 #include "world/joints.h"
-#include "world/tendons.h"
 
 namespace atl {
 

@@ -1,5 +1,3 @@
-#include "world/joint_definition.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <string>
 
 #include "world/body_definition.h"
+#include "world/joints.h"
 #include "world/refuse.h"
 
 namespace atl {

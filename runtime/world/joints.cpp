@@ -10,9 +10,7 @@
 #include <sstream>
 
 #include "world/bodies.h"
-#include "world/joint_definition.h"
 #include "world/make_joint.h"
-#include "world/tendons.h"
 
 namespace atl {
 namespace {

@@ -45,4 +45,29 @@ void joint_changed(Stores& world, std::uint32_t joint);
 /// After the joint was disabled: it forgets what it did.
 void release_joint(Stores& world, std::uint32_t joint);
 
+/// The definition with unit orientations. Throws Error naming the field, the value and what was expected. What depends
+/// on the bodies is not looked at.
+JointDef checked(const JointDef& def);
+
+/// Throws likewise; `what` names the argument.
+void check(const char* what, const JointKind& kind);
+
+/// "BallJoint", ...
+const char* name_of(const JointKind& kind);
+
+// Tendons: what of them follows from the joints of their terms.
+
+/// A definition with the bodies of the first of its joints, if it is a tendon. Throws Error for terms that none can
+/// have.
+JointDef with_bodies(const Stores& world, JointDef def);
+
+/// Tells a tendon which coordinates its terms are of; those that it had before, as `before`, keep their positions.
+/// Throws Error as with_bodies() does.
+void bind_tendon(const Stores& world, const JointKind& kind, const solver::Joint& before, solver::Joint& joint);
+
+/// Finds where a tendon's coordinates are. Angles start with the turns that their joints count.
+void find_length(const Stores& world, solver::Joint& tendon);
+/// Once bodies have been put elsewhere.
+void follow_length(const Stores& world, solver::Joint& tendon);
+
 }  // namespace atl

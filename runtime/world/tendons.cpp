@@ -1,4 +1,3 @@
-#include "world/tendons.h"
 
 #include <atoll/error.h>
 #include <jobs/assert.h>
@@ -7,9 +6,7 @@
 #include <cmath>
 #include <span>
 #include <string>
-#include <utility>
 
-#include "world/joint_definition.h"
 #include "world/joints.h"
 #include "world/make_joint.h"
 

@@ -28,7 +28,6 @@
 #include "world/body_definition.h"
 #include "world/colliders.h"
 #include "world/containment.h"
-#include "world/joint_definition.h"
 #include "world/joints.h"
 #include "world/left_out.h"
 #include "world/make_joint.h"

@@ -13,7 +13,7 @@
 #include "finding.h"
 #include "scratch_file.h"
 #include "small_scenes.h"
-#include "state/checksum.h"
+#include "state/files.h"
 #include "target.h"
 
 namespace {

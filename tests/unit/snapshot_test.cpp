@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "recorded_yard.h"
-#include "state/checksum.h"
+#include "state/files.h"
 #include "support/bodies.h"
 #include "support/expect_error.h"
 #include "support/long_tests.h"

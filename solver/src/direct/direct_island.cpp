@@ -7,9 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "direct/island_contacts.h"
 #include "direct/island_joints.h"
-#include "direct/island_results.h"
 #include "direct/island_solves.h"
 
 namespace atl::solver {

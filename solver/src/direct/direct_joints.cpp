@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "direct/island_gaps.h"
 #include "direct/island_joints.h"
 #include "direct/island_solves.h"
 #include "direct/joint_leapfrog.h"

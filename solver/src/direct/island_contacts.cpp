@@ -1,5 +1,3 @@
-#include "direct/island_contacts.h"
-
 #include <jobs/assert.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/direct/island_matrix.h>
@@ -9,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "direct/island_solves.h"
 #include "integrate/rows3.h"
 
 namespace atl::solver {

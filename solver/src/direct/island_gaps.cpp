@@ -1,11 +1,10 @@
-#include "direct/island_gaps.h"
-
 #include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "direct/island_joints.h"
+#include "direct/island_solves.h"
 #include "direct/joint_leapfrog.h"
 
 namespace atl::solver {

@@ -1,10 +1,9 @@
-#include "direct/island_results.h"
-
 #include <jobs/assert.h>
 
 #include <algorithm>
 #include <numeric>
 
+#include "direct/island_solves.h"
 #include "integrate/rows3.h"
 
 namespace atl::solver {

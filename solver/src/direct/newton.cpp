@@ -1,6 +1,5 @@
-#include "direct/newton.h"
-
 #include <jobs/assert.h>
+#include <solver/direct/balance_search.h>
 #include <solver/tuning.h>
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "direct/island_results.h"
 #include "direct/island_solves.h"
 
 namespace atl::solver {

@@ -8,10 +8,7 @@
 #include <utility>
 
 #include "direct/conservation.h"
-#include "direct/island_contacts.h"
-#include "direct/island_gaps.h"
 #include "direct/island_joints.h"
-#include "direct/island_results.h"
 #include "direct/island_solves.h"
 #include "direct/joint_leapfrog.h"
 #include "direct/substeps.h"

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "direct/newton.h"
-
 namespace atl::solver {
 namespace {
 

@@ -1,12 +1,13 @@
 #include <jobs/assert.h>
 #include <jobs/scratch.h>
 #include <solver/select/joint_selection.h>
-#include <solver/select/landing.h>
 #include <solver/select/solver_selection.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "integrate/rows3.h"
 
 namespace atl::solver {
 namespace {
@@ -34,6 +35,43 @@ SolveMode estimated_mode(const LoadInput& input, std::size_t island) {
   if (direct && (build == Build::Columns || found.deep)) return SolveMode::Direct;
   const double part = tuning::part_of_island * static_cast<double>(input.islands.body_count(island));
   return refines && static_cast<double>(found.bodies) >= part ? SolveMode::Refined : SolveMode::Sweep;
+}
+
+bool is_fast(const BodyTable& bodies, std::uint32_t body, double min) {
+  const double spin = bodies.radius[body] * bodies.radius[body] * bodies.angular_velocity(body).squaredNorm();
+  return bodies.velocity(body).squaredNorm() + spin > min * min;
+}
+
+// True if a body that is alone on its island leans on one thing and lands on another in this step: a block that rocks
+// from edge to edge, a ball that rolls into a wall.
+//
+// A new contact stops the body for the whole substep in which it is reached, and the old contact lets go for the whole
+// of it. So a landing has an error of the weight's impulse in a substep: first order, while all else is second order.
+bool lands(const LoadInput& input, std::size_t island) {
+  const Islands& islands = input.islands;
+  const BodyTable& bodies = input.bodies;
+  if (islands.body_count(island) > 1) return false;
+  // Slower landings don't count.
+  const double gained = input.gravity.norm() * input.dt;
+  if (!(gained > 0) || !is_fast(bodies, islands.bodies(island, island + 1).front(), gained)) return false;
+
+  bool leans = false, reaches = false;
+  for (const TouchingPair& pair : islands.contacts(island, island + 1)) {
+    const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+    const Vector3 normal = get3(manifold.normal);
+    const collision::Tangents tangents = collision::tangents(manifold.normal);
+    for (std::size_t i = 0; i < collision::max_points; ++i) {
+      leans |= manifold.normal_impulse[i] > 0;
+      const double gap = manifold.separation[i];
+      if (reaches || gap <= 0 || gap >= collision::no_point) continue;
+      const Vector3 off = manifold.x[i] * get3(tangents.first) + manifold.y[i] * get3(tangents.second);
+      const Vector3 first = bodies.velocity_at(pair.first, get3(manifold.anchor_first) + off);
+      const Vector3 second = bodies.velocity_at(pair.second, get3(manifold.anchor_second) + off);
+      const double closing = normal.dot(first - second);
+      reaches = closing > gained && gap < (closing + gained) * input.dt;
+    }
+  }
+  return leans && reaches;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "checks/divergence/divergence.h"
 
-#include "state/body_parts.h"
+#include "state/body_hashes.h"
 
 namespace atl::divergence {
 namespace {

@@ -1,6 +1,6 @@
 #include "twin.h"
 
-#include "state/body_parts.h"
+#include "state/body_hashes.h"
 
 namespace atl::soak {
 namespace {

@@ -1,11 +1,15 @@
-#include "state/file_beside.h"
+#include "state/files.h"
 
 #include <fcntl.h>
+#include <jobs/hash.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <string>
+#include <system_error>
 
 namespace atl {
 
@@ -47,6 +51,34 @@ std::error_code replace_file(const fs::path& target, const std::function<void(st
   std::error_code ignored;
   if (error) fs::remove(temporary, ignored);
   return error;
+}
+
+std::string irregular_kind(const fs::path& path) {
+  std::error_code error;
+  switch (fs::status(path, error).type()) {
+    case fs::file_type::directory:
+      return "a directory";
+    case fs::file_type::fifo:
+      return "a pipe";
+    case fs::file_type::socket:
+      return "a socket";
+    case fs::file_type::character:
+    case fs::file_type::block:
+      return "a device";
+    default:
+      return "";  // what is wrong with others shows as they are opened
+  }
+}
+
+std::uint64_t checksum_of(std::span<const std::byte> bytes) {
+  jobs::Hash hash;
+  hash.add(std::uint64_t{bytes.size()});
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(std::uint64_t)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data() + at, std::min(sizeof word, bytes.size() - at));
+    hash.add(word);
+  }
+  return hash.value();
 }
 
 }  // namespace atl
