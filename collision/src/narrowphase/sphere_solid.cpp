@@ -12,11 +12,6 @@
 namespace atl::collision {
 namespace {
 
-Vector3 outwards_from_axis(const Vector3& point) {
-  const double across = length_2d(point.x(), point.y());
-  return across > 0 ? Vector3(point.x() / across, point.y() / across, 0) : Vector3(Vector3::UnitX());
-}
-
 SurfaceDistance from_capsule(const Shape& capsule, const Vector3& point) {
   const double z = std::clamp(point.z(), -capsule.half_height, capsule.half_height);
   const Vector3 offset = point - z * Vector3::UnitZ();

@@ -23,12 +23,6 @@ constexpr int line_on_side = 2;
 // A disc lies flat as long as its fixed points miss less than this part of the inner radius of its depth.
 constexpr double flat_miss = 2e-5;
 
-// Unit vector in the x-y plane; along x where there is none.
-Vector3 across(const Vector3& direction) {
-  const double length = length_2d(direction.x(), direction.y());
-  return length > 0 ? Vector3(direction.x() / length, direction.y() / length, 0) : Vector3(Vector3::UnitX());
-}
-
 Vector3 cone_side_normal(const Shape& cone, const Vector3& outwards) {
   return (2 * cone.half_height * outwards + cone.radius * Vector3::UnitZ()) /
          length_2d(cone.radius, 2 * cone.half_height);
@@ -170,7 +164,7 @@ int incident_outline(const Shape& shape, const Polytope& core, const Vector3& un
   outline.count = 0;
   const double r = shape.radius;
   const double h = shape.half_height;
-  const Vector3 outwards = across(unit_direction);
+  const Vector3 outwards = outwards_from_axis(unit_direction);
   switch (shape.kind) {
     case ShapeKind::Sphere:
       outline.add_end(r * unit_direction);
@@ -219,7 +213,7 @@ SideLine side_line(const Shape& shape, const Vector3& unit_direction) {
   constexpr double sine = 0.1410673597966589;  // of the angle with cosine same_direction
   const double r = shape.radius;
   const Vector3 end = shape.half_height * Vector3::UnitZ();
-  const Vector3 outwards = across(unit_direction);
+  const Vector3 outwards = outwards_from_axis(unit_direction);
   switch (shape.kind) {
     case ShapeKind::Capsule:
       return {std::abs(unit_direction.z()) < sine, r * unit_direction - end, r * unit_direction + end};

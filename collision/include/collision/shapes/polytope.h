@@ -12,6 +12,12 @@ namespace atl::collision {
 /// std::hypot without its care for overflow, which takes ten times as long and differs between C libraries.
 inline double length_2d(double x, double y) { return std::sqrt(x * x + y * y); }
 
+/// The unit vector from the z axis to a point; along x where the point is on it.
+inline Vector3 outwards_from_axis(const Vector3& point) {
+  const double length = length_2d(point.x(), point.y());
+  return length > 0 ? Vector3(point.x() / length, point.y() / length, 0) : Vector3(Vector3::UnitX());
+}
+
 /// A convex polytope as the narrowphase sees it: flat arrays that belong to somebody else, laid out as in Hull.
 /// A segment has one edge and no face, a point has neither; a plate (a triangle) has a front and a back.
 struct Polytope {
