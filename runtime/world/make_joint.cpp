@@ -154,32 +154,6 @@ struct Rows {
   }
 };
 
-constexpr std::array hinge_names = {Coordinate::Twist};
-constexpr std::array slider_names = {Coordinate::OffsetX};
-constexpr std::array distance_names = {Coordinate::Distance};
-constexpr std::array universal_names = {Coordinate::AngleX, Coordinate::AngleSecondY};
-constexpr std::array cone_names = {Coordinate::Swing, Coordinate::Twist};
-constexpr std::array gear_names = {Coordinate::Gear};
-constexpr std::array rack_names = {Coordinate::Rack};
-constexpr std::array tendon_names = {Coordinate::Length};
-constexpr std::array wheel_names = {Coordinate::OffsetZ, Coordinate::Steer, Coordinate::Roll};
-
-struct Names {
-  using Coordinates = std::span<const Coordinate>;
-
-  Coordinates operator()(const BallJoint&) const { return {}; }
-  Coordinates operator()(const HingeJoint&) const { return hinge_names; }
-  Coordinates operator()(const SliderJoint&) const { return slider_names; }
-  Coordinates operator()(const FixedJoint&) const { return {}; }
-  Coordinates operator()(const DistanceJoint&) const { return distance_names; }
-  Coordinates operator()(const UniversalJoint&) const { return universal_names; }
-  Coordinates operator()(const ConeTwistJoint&) const { return cone_names; }
-  Coordinates operator()(const SixDofJoint& six) const { return names_of(six); }
-  Coordinates operator()(const GearJoint& gear) const { return gear.rack ? Coordinates(rack_names) : gear_names; }
-  Coordinates operator()(const WheelJoint&) const { return wheel_names; }
-  Coordinates operator()(const TendonJoint&) const { return tendon_names; }
-};
-
 }  // namespace
 
 solver::Joint make_joint(const JointKind& kind) {
@@ -201,7 +175,18 @@ solver::Joint make_joint(const JointDef& def, const Vector3& centre_first, const
   return joint;
 }
 
-std::span<const solver::Coordinate> named_coordinates(const JointKind& kind) { return std::visit(Names{}, kind); }
+std::span<const solver::Coordinate> named_coordinates(const JointKind& kind) {
+  using enum Coordinate;
+  static constexpr Coordinate hinge[] = {Twist}, slider[] = {OffsetX}, distance[] = {Distance}, tendon[] = {Length};
+  static constexpr Coordinate cross[] = {AngleX, AngleSecondY}, cone[] = {Swing, Twist};
+  static constexpr Coordinate gear[] = {Gear}, rack[] = {Rack}, wheel[] = {OffsetZ, Steer, Roll};
+  if (const auto* six = std::get_if<SixDofJoint>(&kind)) return names_of(*six);
+  if (const auto* of = std::get_if<GearJoint>(&kind); of != nullptr && of->rack) return rack;
+  // Ball and fixed joints have none.
+  static constexpr std::array<std::span<const Coordinate>, std::variant_size_v<JointKind>> names = {
+      {{}, hinge, slider, {}, distance, cross, cone, {}, gear, wheel, tendon}};
+  return names[kind.index()];
+}
 
 namespace {
 
