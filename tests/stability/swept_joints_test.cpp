@@ -1,10 +1,13 @@
 // Joints that are swept: what one joint locks is solved by one sweep, and what hangs together doesn't break.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <variant>
 
 #include "support/bodies.h"
+#include "support/motion.h"
+#include "support/random.h"
 #include "support/random_assembly.h"
 
 namespace atl::test::swept_joints_test {
@@ -63,6 +66,33 @@ TEST(SweptJoints, ASprungMotorComesBackIntoItsRange) {
     for (int i = 0; i < 120; ++i) world.step(1.0 / 60);
     EXPECT_NEAR(world.joint_state(id).position[0], 0.2, 0.01) << static_cast<int>(how);
     EXPECT_LT(world.angular_velocity(arm).norm(), 1e-3) << static_cast<int>(how);
+  }
+}
+
+// Springs on angles that change without end where two axes are along each other: a slab that tumbles through there for
+// a minute has no more energy than it began with.
+TEST(SweptJoints, SpringsGainNoEnergyWhereTheirAnglesFade) {
+  constexpr double stiffness = 2, rest = 0.3;
+  constexpr JointAxis locked = {.range = {0, 0}};
+  const JointAxis sprung = {.spring = JointSpring{.rest = rest, .stiffness = stiffness}};
+  const SixDofJoint gimbal = {
+      .offset = {locked, locked, locked}, .turn = {sprung, JointAxis{}, sprung}, .turns = SixDofTurns::AnglesXYZ};
+  for (const JointKind& kind : {JointKind(gimbal), JointKind(ConeTwistJoint{.twist = sprung})}) {
+    for (std::uint32_t seed = 0; seed < 20; ++seed) {
+      Random random(seed);
+      World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = JointSolver::Iterative}});
+      const BodyId base = world.add_body({.type = BodyType::Static, .filter = {.mask = 0}});
+      const BodyId slab = world.add_body({.shape = Box{{0.3, 0.2, 0.25}}, .mass = 20, .filter = {.mask = 0}});
+      world.set_velocity(slab, Vector3::Zero(), random.vector(3));
+      world.add_joint({.kind = kind, .first = base, .second = slab});
+      const double all = motion_of(world).kinetic + stiffness * rest * rest;
+      double max = 0;
+      for (int i = 0; i < 3600; ++i) {
+        world.step(1.0 / 60);
+        max = std::max(max, motion_of(world).kinetic);
+      }
+      EXPECT_LT(max, 1.02 * all) << kind.index() << ", seed " << seed;
+    }
   }
 }
 

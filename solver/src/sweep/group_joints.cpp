@@ -46,6 +46,12 @@ double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointR
 
 float speed(double value) { return static_cast<float>(std::clamp<double>(value, -unlimited_speed, unlimited_speed)); }
 
+// The part of the way to its speed by which a servo that holds so much moves a rate, after a spring has left `part` of
+// it. All of the way, if it is a motor.
+float motor_part(double hold, double part) {
+  return static_cast<float>(hold > 0 ? hold * part / (1 + hold * part) : 1);
+}
+
 // The full turn, or the position of a rate, that positions in a step count from: see JointCoordinateBlock.
 double base_of(Coordinate coordinate, double position) {
   constexpr double turn = 2 * 3.14159265358979323846;
@@ -87,41 +93,46 @@ void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const
   of.ratio[lane] = static_cast<float>(joint.ratio);
 }
 
-// Adds springs, servos and armatures to a row; `free` is its J M^-1 J^T if the joint didn't hold, and
-// `leak` the Softness::impulse_scale of what is locked.
-void set_springs(JointRowBlock& row, std::size_t lane, const Law& law, const JointRow& at, double free, double h,
-                 double leak) {
-  const double mass = row.mass[lane];
-  ATL_ASSERT(!(mass <= 0) && !(free <= 0), lane, mass, free);
-  const LinearStep spring =
-      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, h) : LinearStep{};
-  const double share = 1 / (1 + spring.hold);
-  ATL_ASSERT(!(share < 0) && !(share > 1), lane, spring.hold);
+// The rates that a row's springs and servo leave, of what the row answers with now to the law that `of` has.
+void set_springs(JointRowBlock& row, const JointCoordinateBlock& of, std::size_t lane) {
+  const double response = row.inverse_mass[lane];
+  const double share = 1 / (1 + response * of.spring_slope[lane]);
+  ATL_ASSERT(!(share < 0) && !(share > 1), lane, response, of.spring_slope[lane]);
   row.spring_scale[lane] = static_cast<float>(share);
-  row.spring_keep[lane] = static_cast<float>(share * spring.keep);
-  row.spring_shift[lane] = row.next_spring_shift[lane];
-  row.next_spring_shift[lane] = static_cast<float>(share * spring.shift);
-  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, h) : LinearStep{};
-  const bool holds = servo.hold > 0;
-  // The motor's part of a rate, after a spring has left `part` of it.
-  const auto motor_part = [&](double part) {
-    return static_cast<float>(holds ? servo.hold * part / (1 + servo.hold * part) : 1);
-  };
-  row.motor_part[lane] = motor_part(share);
-  if (holds) {
-    row.motor_keep[lane] = static_cast<float>(servo.keep / servo.hold);
-    row.next_motor_speed[lane] = speed(servo.shift / servo.hold);
-  }
-  row.motor_change[lane] = static_cast<float>(share * row.motor_change[lane]);
-  row.friction_change[lane] = static_cast<float>(share * row.friction_change[lane]);
+  row.spring_shift[lane] = speed(share * response * of.spring_impulse[lane]);
+  row.motor_part[lane] = motor_part(response * of.servo_slope[lane], share);
+  row.motor_change[lane] = speed(share * response * of.motor_impulse[lane]);
+  row.friction_change[lane] = speed(share * response * of.friction_impulse[lane]);
+}
+
+// The same where a soft end of the range, which leaks so much of its impulse, holds the coordinate too.
+void soften_springs(JointRowBlock& row, const JointCoordinateBlock& of, std::size_t lane, double leak) {
   if (row.soft_lower[lane] == 0 && row.soft_upper[lane] == 0) return;
-  const double left = 1 / (1 + spring.hold * leak);
-  const double soft_share = leak * left;  // 1 / (1 + hold + stiffness)
-  row.soft_scale[lane] = static_cast<float>(soft_share);
-  row.soft_shift[lane] = static_cast<float>(left * row.soft_shift[lane] + soft_share * spring.shift);
-  row.soft_motor_part[lane] = motor_part(soft_share);
+  const double response = row.inverse_mass[lane];
+  const double left = 1 / (1 + response * of.spring_slope[lane] * leak);
+  const double share = leak * left;  // 1 / (1 + hold + stiffness)
+  row.soft_scale[lane] = static_cast<float>(share);
+  row.soft_shift[lane] = speed(left * row.soft_shift[lane] + share * response * of.spring_impulse[lane]);
+  row.soft_motor_part[lane] = motor_part(response * of.servo_slope[lane], share);
   row.soft_motor_change[lane] = static_cast<float>(left * row.soft_motor_change[lane]);
   row.soft_friction_change[lane] = static_cast<float>(left * row.soft_friction_change[lane]);
+}
+
+// The law of springs, servos and armatures in a substep, from the rate before its forces.
+void find_springs(JointRowBlock& row, JointCoordinateBlock& of, std::size_t lane, const Law& law, double position,
+                  double rate, double h) {
+  const double mass = row.mass[lane], free = of.response[lane];
+  ATL_ASSERT(!(mass <= 0) && !(free <= 0), lane, mass, free);
+  JointRow at;
+  at.value = position;
+  at.share = of.share[lane];
+  const LinearStep spring =
+      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, h) : LinearStep{};
+  of.spring_slope[lane] = static_cast<float>(mass * spring.hold);
+  of.spring_impulse[lane] = static_cast<float>(mass * (spring.shift + spring.keep * rate));
+  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, h) : LinearStep{};
+  of.servo_slope[lane] = static_cast<float>(mass * servo.hold);
+  if (servo.hold > 0) row.next_motor_speed[lane] = speed((servo.shift + servo.keep * rate) / servo.hold);
 }
 
 }  // namespace
@@ -229,20 +240,13 @@ void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::si
   }
 }
 
-void GroupJoints::add_springs(const JointStep& step, std::size_t begin, std::size_t end) {
+void GroupJoints::keep_springs(std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     const JointBlock& block = blocks_[b];
-    for (std::size_t r = 0; r < block.rows; ++r) {
-      const JointCoordinateBlock& of = coordinates_[block.first_row + r];
-      JointRowBlock& row = rows_[block.first_row + r];
-      for (unsigned rest = of.springs; rest != 0; rest &= rest - 1) {
+    for (std::size_t r = block.first_row; r < block.first_row + block.rows; ++r) {
+      for (unsigned rest = coordinates_[r].springs; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
-        if (!(row.mass[lane] > 0)) continue;
-        const Joint& joint = step.joints[block.joint[lane]];
-        JointRow at;
-        at.value = base_of(joint.coordinate[r], joint.position[r]) + of.value[lane];
-        at.share = of.share[lane];
-        set_springs(row, lane, joint.law[r], at, of.response[lane], step.h, block.impulse_scale[lane]);
+        if (rows_[r].mass[lane] > 0) set_springs(rows_[r], coordinates_[r], lane);
       }
     }
   }
@@ -253,20 +257,24 @@ double GroupJoints::position_now(const Joint& joint, std::size_t r, std::size_t 
   return base_of(joint.coordinate[r], joint.position[r]) + coordinates_[row].position[lane];
 }
 
-// A spring's impulse goes by the rate before the forces of the substep, too.
-void GroupJoints::record_rates(const JointStep& step, std::size_t begin, std::size_t end) {
+void GroupJoints::begin_substep(const JointStep& step, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
-    JointBlock& block = blocks_[b];
+    const JointBlock& block = blocks_[b];
     for (std::size_t r = 0; r < block.rows; ++r) {
-      JointRowBlock& row = rows_[block.first_row + r];
-      for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-        const double keep = row.spring_keep[lane];
-        const double motor_keep = row.motor_keep[lane];
-        if (keep == 0 && motor_keep == 0 && !may_bounce_) continue;
+      const std::size_t number = block.first_row + r;
+      JointRowBlock& row = rows_[number];
+      JointCoordinateBlock& of = coordinates_[number];
+      for (std::size_t lane = 0; lane < block_lanes && (may_bounce_ || of.springs != 0); ++lane) {
+        const bool springs = (of.springs >> lane & 1u) != 0 && row.mass[lane] > 0;
+        if (!springs && !may_bounce_) continue;
         const double rate = rate_of(step.bodies, block, row, lane);
-        row.next_spring_shift[lane] = static_cast<float>(row.next_spring_shift[lane] + keep * rate);
-        row.next_motor_speed[lane] = static_cast<float>(row.next_motor_speed[lane] + motor_keep * rate);
-        if (may_bounce_) row_rates_[(block.first_row + r) * block_lanes + lane].before = rate;
+        if (may_bounce_) row_rates_[number * block_lanes + lane].before = rate;
+        if (!springs) continue;
+        const Joint& joint = step.joints[block.joint[lane]];
+        const double value = base_of(joint.coordinate[r], joint.position[r]) + of.value[lane];
+        find_springs(row, of, lane, joint.law[r], value, rate, step.h);
+        set_springs(row, of, lane);
+        soften_springs(row, of, lane, block.impulse_scale[lane]);
       }
     }
   }

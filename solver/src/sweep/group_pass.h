@@ -150,7 +150,7 @@ void GroupPass<Executor>::refresh_joint_rows(bool moved) {
   loops_.each_joint_row_block([&](std::size_t begin, std::size_t end) {
     if (!moved) parts_.joints.prepare_rows(setup_.joint_step, begin, end);
     setup_.kernels.refresh_rows(setup_.joint_data, moved, begin, end);
-    parts_.joints.add_springs(setup_.joint_step, begin, end);
+    if (moved) parts_.joints.keep_springs(begin, end);
   });
 }
 
@@ -171,12 +171,12 @@ void GroupPass<Executor>::bounce() {
   parts_.impacts.solve(setup_.contact_data, setup_.friction);
 }
 
-// Records rates before the forces of a substep, since springs go by the present speeds.
+// Records rates before the forces of a substep, since springs go by these.
 template <typename Executor>
 void GroupPass<Executor>::record_speeds() {
   if (parts_.joints.has_rows()) {
     loops_.each_joint_row_block(
-        [&](std::size_t begin, std::size_t end) { parts_.joints.record_rates(setup_.joint_step, begin, end); });
+        [&](std::size_t begin, std::size_t end) { parts_.joints.begin_substep(setup_.joint_step, begin, end); });
   }
   if (setup_.sweeps_tendons) parts_.tendons.begin_substep(setup_.joint_step);
 }

@@ -103,8 +103,7 @@ HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, bool moved,
     const V forwards = driven(hn::Sub(rate, max), part, change), backwards = driven(hn::Add(rate, max), part, change);
     return hn::IfThenElse(rubs, hn::Min(hn::Max(forwards, zero()), backwards), free_of_it);
   };
-  const float* shift = moved ? row.spring_shift : row.next_spring_shift;
-  const V sprung = hn::Add(hn::Mul(load(row.spring_scale + lane), free), load(shift + lane));
+  const V sprung = hn::Add(hn::Mul(load(row.spring_scale + lane), free), load(row.spring_shift + lane));
   const V rate = rubbed(sprung, row.motor_part, row.motor_change, row.friction_change);
   if constexpr (push == Push::Bias) {
     const V soft = rubbed(hn::Add(hn::Mul(load(row.soft_scale + lane), free), load(row.soft_shift + lane)),

@@ -73,10 +73,10 @@ class GroupJoints {
   /// Frames, coordinates and laws of the step, for rows other than points. Kernels::refresh_rows does the rest, once
   /// bodies have their inertia of the step and points their masses.
   void prepare_rows(const JointStep& step, std::size_t begin, std::size_t end);
-  /// Adds springs, servos and armatures to the rows, after Kernels::refresh_rows.
-  void add_springs(const JointStep& step, std::size_t begin, std::size_t end);
-  /// Records the rates before the forces of a substep.
-  void record_rates(const JointStep& step, std::size_t begin, std::size_t end);
+  /// Finds what springs, servos and armatures do in a substep, from the rates before its forces.
+  void begin_substep(const JointStep& step, std::size_t begin, std::size_t end);
+  /// Keeps them once bodies have moved, after Kernels::refresh_rows: as impulses, whatever rows answer to these now.
+  void keep_springs(std::size_t begin, std::size_t end);
   /// True if some coordinate may bounce at the end of its range.
   bool may_bounce() const { return may_bounce_; }
   /// Finds the coordinates that will bounce in this substep, once forces and warm start are applied. Returns true if

@@ -71,15 +71,12 @@ struct alignas(64) JointRowBlock {
   float inverse_mass[block_lanes];  ///< w
 
   float spring_scale[block_lanes];
-  float spring_keep[block_lanes];        ///< of the rate before the substep, that adds to the shift of the next one
-  float spring_shift[block_lanes];       ///< m/s or rad/s, from where the substep starts
-  float next_spring_shift[block_lanes];  ///< and where the next one does
-  float motor_part[block_lanes];         ///< of the way to its speed: 1, or less of a servo
-  float motor_keep[block_lanes];         ///< see spring_keep, for a servo's speed
-  float motor_speed[block_lanes];        ///< from where the substep starts
-  float next_motor_speed[block_lanes];   ///< and where the next one does
-  float motor_change[block_lanes];       ///< largest change of the rate by the motor
-  float friction_change[block_lanes];    ///< and friction
+  float spring_shift[block_lanes];      ///< m/s or rad/s
+  float motor_part[block_lanes];        ///< of the way to its speed: 1, or less of a servo
+  float motor_speed[block_lanes];       ///< from where the substep starts
+  float next_motor_speed[block_lanes];  ///< and where the next one does
+  float motor_change[block_lanes];      ///< largest change of the rate by the motor
+  float friction_change[block_lanes];   ///< and friction
   float lower_speed[block_lanes];
   float upper_speed[block_lanes];
   /// 1 where sweeps without a bias leave the ends of the range alone: of what bounces there, and has yet to arrive.
@@ -123,6 +120,13 @@ struct alignas(64) JointCoordinateBlock {
   float value[block_lanes];     ///< the value that the law sees
   float share[block_lanes];
   float response[block_lanes];  ///< J M^-1 J^T if the joint didn't hold
+
+  // The law of a spring or armature in a substep: an impulse of spring_impulse - spring_slope * rate. Once bodies have
+  // moved, rows answer otherwise to an impulse. It stays what it is, since a force that changed with that would be no
+  // derivative of the spring's energy: it would whirl where rows change fast.
+  float spring_impulse[block_lanes];  ///< N s or N m s
+  float spring_slope[block_lanes];    ///< kg or kg m^2
+  float servo_slope[block_lanes];     ///< likewise of a servo, 0 without one
 
   std::uint32_t kinds;   ///< bit a Coordinate that there is in some lane
   std::uint8_t springs;  ///< bit a lane: with a spring, a servo or an armature
