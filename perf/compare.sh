@@ -5,7 +5,7 @@ set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "${BASH_SOURCE[0]}")")")
 # shellcheck source=runtime/setup.sh
 source "$root/runtime/setup.sh"
-packages+=(libgtest-dev libbenchmark-dev) # what a new build folder is configured with
+packages+=("${view_packages[@]}" libgtest-dev libbenchmark-dev) # what a new build folder is configured with
 
 usage() {
   cat <<'END'

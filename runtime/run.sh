@@ -10,6 +10,7 @@ source "$root/runtime/setup.sh"
 (($#)) || set -- run pile
 install_packages
 options=()
-is_configured release || options=(-DATOLL_BUILD_TESTS=OFF -DATOLL_BUILD_PERF=OFF)
+is_configured release ||
+  options=(-DATOLL_BUILD_TESTS=OFF -DATOLL_BUILD_PERF=OFF -DATOLL_BUILD_PAGE=AUTO -DATOLL_BUILD_VTK=AUTO)
 build release atoll_command "${options[@]}"
 exec "$root/build/release/bin/atoll" "$@"

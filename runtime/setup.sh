@@ -3,9 +3,11 @@
 
 # Debian's names; tests/run.sh adds those of tests.
 packages=(cmake ninja-build g++ libc6-dev libeigen3-dev libtbb-dev libccd-dev libfcl-dev libhwy-dev libqhull-dev libcli11-dev
-          nlohmann-json3-dev zlib1g-dev libpng-dev libhdf5-dev libtinygltf-dev)
-# Debian's npm is several hundred packages, so any other one does.
-command -v npm >/dev/null || packages+=(npm)
+          nlohmann-json3-dev zlib1g-dev libpng-dev libtinygltf-dev)
+# For `atoll view`: files for ParaView take HDF5, which is 17 packages, and the page that plays runs takes npm, which is
+# several hundred of Debian's, so any other npm does. runtime/run.sh builds what there is for.
+view_packages=(libhdf5-dev)
+command -v npm >/dev/null || view_packages+=(npm)
 
 say() {
   printf 'atoll: %s\n' "$*" >&2

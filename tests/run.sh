@@ -77,7 +77,7 @@ robot_models() {
 }
 
 long=$((${ATOLL_LONG_TESTS:-0}))
-packages+=(libgtest-dev pkgconf python3)
+packages+=("${view_packages[@]}" libgtest-dev pkgconf python3)
 ((!long)) || packages+=(chromium) # which looks at the pages that atoll sweep and atoll view write
 [[ $preset != clang ]] || packages+=(clang)
 if [[ $preset == fuzz ]]; then
@@ -86,7 +86,7 @@ if [[ $preset == fuzz ]]; then
   build fuzz all
   exec bash "$root/tests/fuzz/run.sh" "${fuzz[@]}"
 fi
-options=(-DATOLL_BUILD_TESTS=ON -DATOLL_LONG_TESTS="${ATOLL_LONG_TESTS:-0}")
+options=(-DATOLL_BUILD_TESTS=ON -DATOLL_BUILD_PAGE=ON -DATOLL_BUILD_VTK=ON -DATOLL_LONG_TESTS="${ATOLL_LONG_TESTS:-0}")
 [[ ${CI:-} != true ]] || options+=(-DATOLL_WERROR=ON)
 if ((long)) && [[ ${CI:-} == true ]]; then
   packages+=(libbenchmark-dev)

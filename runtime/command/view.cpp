@@ -185,25 +185,30 @@ void write_film(const OutputFile& file, view::Film& film) {
 
 namespace {
 
+void check_vtk(const ViewOptions& options) {
+  if (!view::has_vtk()) throw Failure(Status::Usage, "--vtk: this build writes no VTKHDF (ATOLL_BUILD_VTK is off)");
+  (void)file_ending_in("--vtk", options.vtk, {".vtkhdf"});
+  (void)OutputFile("--vtk", frame_path(options.vtk, options.from));
+}
+
 // All that is asked for of the run as a whole, told as it is written.
 void watch(const ViewOptions& options, bool recorded, const Scene* scene) {
   std::optional<OutputFile> page, gltf;
   if (!options.page.empty()) page.emplace(page_file("--page", options.page));
   if (!options.gltf.empty()) gltf.emplace(file_ending_in("--gltf", options.gltf, {".glb", ".gltf"}));
-  if (!options.vtk.empty()) {
-    (void)file_ending_in("--vtk", options.vtk, {".vtkhdf"});
-    (void)OutputFile("--vtk", frame_path(options.vtk, options.from));
-  }
+  if (!options.vtk.empty()) check_vtk(options);
   const std::string name = recorded ? file_of(options.scene.text) : scene->name;
   view::Film film({.name = name, .place = options.place, .first_step = options.from, .stride = options.stride});
   view::GltfFilm gltf_film({.name = name, .first_step = options.from, .stride = options.stride});
-  view::VtkSeries vtk(
-      {.first_step = options.from, .stride = options.stride},
-      [&](std::int64_t step, const std::vector<char>& bytes) { write_vtk_frame(options.vtk, step, bytes); });
+  std::optional<view::VtkSeries> vtk;
   Watchers watchers;
   if (page) watchers.push_back(&film);
   if (gltf) watchers.push_back(&gltf_film);
-  if (!options.vtk.empty()) watchers.push_back(&vtk);
+  if (!options.vtk.empty()) {
+    vtk.emplace(view::VtkOptions{.first_step = options.from, .stride = options.stride},
+                [&](std::int64_t step, const std::vector<char>& bytes) { write_vtk_frame(options.vtk, step, bytes); });
+    watchers.push_back(&*vtk);
+  }
   if (recorded) {
     watch_recording(options, watchers);
   } else {
@@ -219,8 +224,8 @@ void watch(const ViewOptions& options, bool recorded, const Scene* scene) {
     gltf->write([&](std::ostream& out) { gltf_film.write(out, ends_in(options.gltf, ".glb")); });
     std::cout << options.gltf << ": " << frames(gltf_film.frames()) << "\n";
   }
-  if (!options.vtk.empty()) {
-    std::cout << frame_path(options.vtk, options.from) << " and on: " << frames(vtk.frames()) << "\n";
+  if (vtk) {
+    std::cout << frame_path(options.vtk, options.from) << " and on: " << frames(vtk->frames()) << "\n";
   }
 }
 

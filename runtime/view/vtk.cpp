@@ -118,6 +118,8 @@ void add_contacts(const World& world, Grid& grid) {
 static_assert(static_cast<int>(BodyType::Static) == 0 && static_cast<int>(BodyType::Kinematic) == 1 &&
               static_cast<int>(BodyType::Dynamic) == 2);
 
+bool has_vtk() { return true; }
+
 VtkSeries::VtkSeries(const VtkOptions& options, Sink sink)
     : clock_(options.first_step, options.stride), sink_(std::move(sink)) {}
 

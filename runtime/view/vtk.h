@@ -10,6 +10,9 @@
 
 namespace atl::view {
 
+/// True if the build has HDF5: ATOLL_BUILD_VTK.
+bool has_vtk();
+
 struct VtkOptions {
   std::int64_t first_step = 0;  ///< steps made ahead of the first frame
   int stride = 1;               ///< steps a frame, >= 1

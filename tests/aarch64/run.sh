@@ -65,7 +65,7 @@ expect_failures() {
   fi
 }
 
-packages+=(g++-aarch64-linux-gnu qemu-user ninja-build)
+packages+=("${view_packages[@]}" g++-aarch64-linux-gnu qemu-user ninja-build)
 install_packages
 [[ -d $sysroot ]] || fetch_libraries
 say 'building for arm64'

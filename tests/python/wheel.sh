@@ -14,7 +14,7 @@ tools=$work/tools/bin
 bare=$work/bare
 readonly suite=bookworm tag=manylinux_2_36_x86_64 # Debian 12's glibc
 
-packages+=(debootstrap python3-dev python3-venv)
+packages+=("${view_packages[@]}" debootstrap python3-dev python3-venv)
 install_packages
 ((EUID == 0)) || { say 'a root of Debian is made and entered as root'; exit 1; }
 # What is installed into the root is taken along, so that it needs no network. Its Python is /usr/bin/python3 here.
