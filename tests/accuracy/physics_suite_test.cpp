@@ -24,8 +24,12 @@ using physics::PhysicsResult;
 
 class PhysicsSuite : public testing::TestWithParam<PhysicsCase> {};
 
+// Flows of thousands of grains, which take tens of seconds of a core.
+const std::set<std::string> long_cases = {"beverloo", "janssen", "force-tail"};
+
 TEST_P(PhysicsSuite, IsRight) {
   const PhysicsCase& test = GetParam();
+  if (long_cases.contains(test.name) && !long_tests()) GTEST_SKIP() << "a test of --long";
   const PhysicsResult result = run_case(test);
   const auto found = testing::Message() << test.name << " (" << test.what << "): " << result.value << " " << test.unit
                                         << ", right is " << test.right << ", error " << result.error;
