@@ -133,13 +133,6 @@ std::string read_text(const std::string& path) {
   return text.str();
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 void expect_refused(const CommandResult& result, int status, const std::vector<std::string>& words) {
   EXPECT_EQ(result.status, status) << result.err;
   EXPECT_EQ(result.out, "");

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "support/words.h"
+
 namespace atl::test {
 
 struct CommandResult {
@@ -69,7 +71,7 @@ void wait_until(const std::function<bool()>& holds);
 std::string read_text(const std::string& path);
 /// Bytes; 0 of no file.
 std::uintmax_t size_of(const std::string& path);
-std::vector<std::string> lines_of(const std::string& text);
+inline std::vector<std::string> lines_of(const std::string& text) { return words_of(text, '\n'); }
 
 /// Expects this status, nothing on stdout and one line on stderr that holds all the words.
 void expect_refused(const CommandResult& result, int status, const std::vector<std::string>& words);

@@ -27,30 +27,13 @@ CommandResult run_within(const std::string& kilobytes, const std::string& scene)
 }
 
 TEST(CommandMemory, HugeCountsAreToldInBytes) {
-  for (const std::string scene : {"pyramid3d:layers=1e9",
-                                  "wall:base=1e9",
-                                  "islands:count=1e9",
-                                  "pile:bodies=1e9",
-                                  "marbles:bodies=1e9",
-                                  "rocks:bodies=1e9",
-                                  "mixed:bodies=1e9",
-                                  "drum:boxes=1e9",
-                                  "terrain:bodies=1e9",
-                                  "terrain:triangles=1e12",
-                                  "hopper:bodies=1e9",
-                                  "stack:height=1e9",
-                                  "conveyor:boxes=1e9",
-                                  "chain:links=1e9",
-                                  "joint-grid:n=1e9",
-                                  "ragdolls:count=1e9",
-                                  "bridge:planks=1e9",
-                                  "sliding-blocks:headings=1e9",
-                                  "rolling-sphere:headings=1e9",
-                                  "rolling-resistance:headings=1e9",
-                                  "stack-forces:height=1e9",
-                                  "cradle:count=1e9",
-                                  "hanging-chain:links=1e9",
-                                  "catenary:links=1e9"}) {
+  for (const std::string& scene :
+       words_of("pyramid3d:layers=1e9 wall:base=1e9 islands:count=1e9 pile:bodies=1e9 marbles:bodies=1e9 "
+                "rocks:bodies=1e9 mixed:bodies=1e9 drum:boxes=1e9 terrain:bodies=1e9 terrain:triangles=1e12 "
+                "hopper:bodies=1e9 stack:height=1e9 conveyor:boxes=1e9 chain:links=1e9 joint-grid:n=1e9 "
+                "ragdolls:count=1e9 bridge:planks=1e9 sliding-blocks:headings=1e9 rolling-sphere:headings=1e9 "
+                "rolling-resistance:headings=1e9 stack-forces:height=1e9 cradle:count=1e9 "
+                "hanging-chain:links=1e9 catenary:links=1e9")) {
     SCOPED_TRACE(scene);
     expect_refused(
         run_atoll({"run", scene}), 2,

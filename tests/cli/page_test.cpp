@@ -21,29 +21,10 @@ using Json = nlohmann::ordered_json;
 class SweepPage : public testing::Test {
  protected:
   void SetUp() override {
-    const CommandResult result = run_atoll({"sweep",
-                                            "stack:height=2",
-                                            "pile:bodies=3",
-                                            hostile_scene(),
-                                            "--substeps",
-                                            "1,4",
-                                            "--iterations",
-                                            "1",
-                                            "--simd",
-                                            "auto",
-                                            "--steps",
-                                            "30",
-                                            "--repeats",
-                                            "2",
-                                            "--time",
-                                            "1e-6",
-                                            "--peer",
-                                            write_driver(scratch_, "Mock"),
-                                            "--peer-limit",
-                                            "1",
-                                            "--views",
-                                            "--out",
-                                            scratch_.path("out")});
+    const CommandResult result =
+        run_atoll(words_of("sweep stack:height=2 pile:bodies=3 " + hostile_scene() +
+                           " --substeps 1,4 --iterations 1 --simd auto --steps 30 --repeats 2 --time 1e-6 --peer " +
+                           write_driver(scratch_, "Mock") + " --peer-limit 1 --views --out " + scratch_.path("out")));
     ASSERT_EQ(result.status, 0) << result.err;
     results_ = Json::parse(read_text(scratch_.path("out") + "/results.json"));
   }

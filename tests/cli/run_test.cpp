@@ -25,74 +25,27 @@ std::vector<std::string> keys_of(const Json& object) {
 using Keys = std::vector<std::string>;
 
 TEST(CommandRun, JsonHasTheKeysInTheirOrder) {
-  const CommandResult result = run_atoll({"run",
-                                          "stack:height=3",
-                                          "--steps",
-                                          "5",
-                                          "--dt",
-                                          "0.01",
-                                          "--threads",
-                                          "2",
-                                          "--substeps",
-                                          "2",
-                                          "--friction",
-                                          "pyramid",
-                                          "--no-warm-start",
-                                          "--sleeping",
-                                          "--stabilisation",
-                                          "split_impulse",
-                                          "--correction",
-                                          "0.3",
-                                          "--slop",
-                                          "1e-4",
-                                          "--tolerance",
-                                          "1e-3",
-                                          "--joint-solver",
-                                          "direct",
-                                          "--joint-hertz",
-                                          "25",
-                                          "--format",
-                                          "json"});
+  const CommandResult result =
+      run_atoll(words_of("run stack:height=3 --steps 5 --dt 0.01 --threads 2 --substeps 2 --friction pyramid "
+                         "--no-warm-start --sleeping --stabilisation split_impulse --correction 0.3 --slop 1e-4 "
+                         "--tolerance 1e-3 --joint-solver direct --joint-hertz 25 --format json"));
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
   const Json json = Json::parse(result.out);
-  EXPECT_EQ(keys_of(json), (Keys{"scene", "bodies", "steps", "dt", "threads", "simd", "settings", "ms_per_step",
-                                 "phases_ms", "counts", "errors", "features", "hash"}));
+  EXPECT_EQ(
+      keys_of(json),
+      (words_of("scene bodies steps dt threads simd settings ms_per_step phases_ms counts errors features hash")));
   EXPECT_EQ(keys_of(json["ms_per_step"]), (Keys{"mean", "median", "p99", "max", "longest_step"}));
   EXPECT_EQ(keys_of(json["phases_ms"]), (Keys{"plan", "find_pairs", "update_contacts", "build_islands", "solve_islands",
                                               "sweep_fast_bodies", "finish"}));
-  EXPECT_EQ(keys_of(json["counts"]), (Keys{"pairs",
-                                           "contacts",
-                                           "points",
-                                           "joints",
-                                           "islands",
-                                           "groups",
-                                           "colours",
-                                           "fcl_calls",
-                                           "fcl_repairs",
-                                           "recycled_manifolds",
-                                           "recomputed_manifolds",
-                                           "asleep",
-                                           "id_matches",
-                                           "id_misses",
-                                           "swept",
-                                           "stopped",
-                                           "sweeps",
-                                           "direct_joints",
-                                           "direct_islands",
-                                           "refined_islands",
-                                           "unsolved_islands",
-                                           "refused_islands",
-                                           "missed_targets",
-                                           "body_substeps",
-                                           "island_bodies",
-                                           "max_substeps",
-                                           "newton_iterations",
-                                           "discarded_iterations",
-                                           "aabb_updates"}));
+  EXPECT_EQ(keys_of(json["counts"]),
+            (words_of("pairs contacts points joints islands groups colours fcl_calls fcl_repairs recycled_manifolds "
+                      "recomputed_manifolds asleep id_matches id_misses swept stopped sweeps direct_joints "
+                      "direct_islands refined_islands unsolved_islands refused_islands missed_targets body_substeps "
+                      "island_bodies max_substeps newton_iterations discarded_iterations aabb_updates")));
   EXPECT_EQ(keys_of(json["errors"]),
-            (Keys{"penetration_max", "penetration_p99", "penetration_mean", "penetration_max_relative", "sink_max",
-                  "sink_mean", "drift_max", "tilt_max", "energy_drift"}));
+            (words_of("penetration_max penetration_p99 penetration_mean penetration_max_relative sink_max sink_mean "
+                      "drift_max tilt_max energy_drift")));
   for (const Json& feature : json["features"])
     EXPECT_EQ(keys_of(feature), (Keys{"name", "run", "why", "items", "unit", "ms"}));
 
@@ -136,7 +89,7 @@ TEST(CommandRun, ProfileTellsTheSolversStagesAndChangesNothing) {
   EXPECT_FALSE(without.contains("solver_ms"));
   ASSERT_TRUE(profile.contains("solver_ms"));
   EXPECT_EQ(keys_of(profile["solver_ms"]),
-            (Keys{"colour", "prepare", "warm_start", "solve", "relax", "integrate", "restitution", "store"}));
+            (words_of("colour prepare warm_start solve relax integrate restitution store")));
   double all = 0;
   for (const char* phase : {"prepare", "solve", "relax", "integrate", "store"}) {
     EXPECT_GT(profile["solver_ms"][phase], 0) << phase;
@@ -164,9 +117,10 @@ TEST(CommandRun, ProfileTellsTheSolversStagesAndChangesNothing) {
 
 TEST(CommandRun, CountsSweeps) {
   // One island in one group: 5 substeps of 3 sweeps and 2 to relax.
-  const Json json = Json::parse(run_atoll({"run", "stack:height=3", "--steps", "30", "--substeps", "5", "--iterations",
-                                           "3", "--relax-iterations", "2", "--format", "json"})
-                                    .out);
+  const Json json = Json::parse(
+      run_atoll(
+          words_of("run stack:height=3 --steps 30 --substeps 5 --iterations 3 --relax-iterations 2 --format json"))
+          .out);
   EXPECT_EQ(json["counts"]["sweeps"], 25);
 }
 

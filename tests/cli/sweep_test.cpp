@@ -21,14 +21,13 @@ using Words = std::vector<std::string>;
 Words sweep_of(const Words& scenes, const std::string& out, const Words& more = {}) {
   Words words = {"sweep"};
   words.insert(words.end(), scenes.begin(), scenes.end());
-  const std::pair<const char*, const char*> single[] = {
-      {"--substeps", "4"},    {"--iterations", "1"},       {"--dt", "1/60"},
-      {"--friction", "cone"}, {"--warm-start", "on"},      {"--relax-iterations", "1"},
-      {"--threads", "1"},     {"--simd", "auto"},          {"--tolerance", "0"},
-      {"--target", "off"},    {"--stabilisation", "soft"}, {"--steps", "12"},
-      {"--repeats", "2"},     {"--time", "1e-6"}};
-  for (const auto& [option, value] : single) {
-    if (std::find(more.begin(), more.end(), option) == more.end()) words.insert(words.end(), {option, value});
+  const Words single = words_of(
+      "--substeps 4 --iterations 1 --dt 1/60 --friction cone --warm-start on --relax-iterations 1 --threads 1 "
+      "--simd auto --tolerance 0 --target off --stabilisation soft --steps 12 --repeats 2 --time 1e-6");
+  for (std::size_t i = 0; i < single.size(); i += 2) {
+    if (std::find(more.begin(), more.end(), single[i]) == more.end()) {
+      words.insert(words.end(), {single[i], single[i + 1]});
+    }
   }
   words.insert(words.end(), more.begin(), more.end());
   words.insert(words.end(), {"--out", out});
@@ -68,10 +67,10 @@ Words cells_of(const std::string& line) {
 
 TEST(CommandSweep, RunsTheGridOnceEachAndTheDefaultFirst) {
   const ScratchDirectory scratch;
-  const CommandResult result =
-      run_atoll(sweep_of({"stack:height=2"}, scratch.path("out"),
-                         {"--substeps", "2,4", "--iterations", "1,2", "--dt", "1/30,1/60", "--friction", "cone,pyramid",
-                          "--warm-start", "on,off", "--relax-iterations", "0,1", "--threads", "1,2"}));
+  const CommandResult result = run_atoll(
+      sweep_of({"stack:height=2"}, scratch.path("out"),
+               words_of("--substeps 2,4 --iterations 1,2 --dt 1/30,1/60 --friction cone,pyramid --warm-start on,off "
+                        "--relax-iterations 0,1 --threads 1,2")));
   ASSERT_EQ(result.status, 0) << result.err;
   const Json scene = results_in(scratch.path("out"))["scenes"][0];
   Words labels;
@@ -121,32 +120,11 @@ TEST(CommandSweep, StabilisationsAreALineAndTolerancesOneThroughTheMostIteration
 
 TEST(CommandSweep, JointsHaveSolversAndNoAxesOfContactsWhereNothingTouches) {
   const ScratchDirectory scratch;
-  const CommandResult result = run_atoll({"sweep",
-                                          "chain:links=3,ratio=2",
-                                          "--joint-solver",
-                                          "auto,iterative,direct",
-                                          "--target",
-                                          "off",
-                                          "--substeps",
-                                          "2,4",
-                                          "--dt",
-                                          "1/60",
-                                          "--warm-start",
-                                          "on",
-                                          "--relax-iterations",
-                                          "1",
-                                          "--threads",
-                                          "1",
-                                          "--simd",
-                                          "auto",
-                                          "--steps",
-                                          "30",
-                                          "--repeats",
-                                          "1",
-                                          "--time",
-                                          "1e-6",
-                                          "--out",
-                                          scratch.path("out")});
+  const CommandResult result =
+      run_atoll(words_of("sweep chain:links=3,ratio=2 --joint-solver auto,iterative,direct --target off --substeps 2,4 "
+                         "--dt 1/60 --warm-start on "
+                         "--relax-iterations 1 --threads 1 --simd auto --steps 30 --repeats 1 --time 1e-6 --out " +
+                         scratch.path("out")));
   ASSERT_EQ(result.status, 0) << result.err;
   const Json scene = results_in(scratch.path("out"))["scenes"][0];
   Words labels;
@@ -167,10 +145,11 @@ TEST(CommandSweep, JointsHaveSolversAndNoAxesOfContactsWhereNothingTouches) {
 TEST(CommandSweep, WhatMakesNoDifferenceIsLeftOut) {
   const ScratchDirectory scratch;
   const auto labels_of = [&](const char* scene) {
-    const CommandResult result = run_atoll({"sweep",  scene,    "--substeps", "4,8",       "--target",
-                                            "off",    "--dt",   "1/60",       "--threads", "1",
-                                            "--simd", "auto",   "--steps",    "3",         "--repeats",
-                                            "1",      "--time", "1e-6",       "--out",     scratch.path("out")});
+    const CommandResult result =
+        run_atoll(words_of("sweep " + std::string(scene) +
+                           " --substeps 4,8 --target off --dt 1/60 --threads 1 --simd auto --steps 3 "
+                           "--repeats 1 --time 1e-6 --out " +
+                           scratch.path("out")));
     EXPECT_EQ(result.status, 0) << result.err;
     const Json scene_results = results_in(scratch.path("out"))["scenes"][0];
     Words labels;

@@ -15,7 +15,7 @@ TEST(CommandUsage, VersionAndHelp) {
 
   const CommandResult help = run_atoll({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word : {"run", "replay", "ensemble", "import", "scenes", "--version", "Exit status", "non-finite"}) {
+  for (const std::string& word : words_of("run,replay,ensemble,import,scenes,--version,Exit status,non-finite", ',')) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -23,32 +23,13 @@ TEST(CommandUsage, VersionAndHelp) {
 TEST(CommandUsage, HelpOfRunHasEveryOption) {
   const CommandResult help = run_atoll({"run", "--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word : {"SCENE",
-                           "--steps",
-                           "--dt",
-                           "--threads",
-                           "--substeps",
-                           "--target ERROR",
-                           "--max-substeps",
-                           "--iterations",
-                           "--relax-iterations",
-                           "--friction cone|pyramid",
-                           "--no-warm-start",
-                           "--sleeping",
-                           "--simd auto|portable|sse4|avx2|avx512",
-                           "--seed",
-                           "--tolerance",
-                           "--stabilisation soft|baumgarte|split_impulse",
-                           "--correction",
-                           "--joint-solver auto|iterative|direct",
-                           "--joint-hertz",
-                           "--slop",
-                           "--out FILE",
-                           "--final-state FILE",
-                           "--format text|json",
-                           "--errors",
-                           "--profile",
-                           "--hash"}) {
+  for (const std::string& word :
+       words_of("SCENE,--steps,--dt,--threads,--substeps,--target ERROR,--max-substeps,--iterations,"
+                "--relax-iterations,--friction cone|pyramid,--no-warm-start,--sleeping,"
+                "--simd auto|portable|sse4|avx2|avx512,--seed,--tolerance,"
+                "--stabilisation soft|baumgarte|split_impulse,--correction,--joint-solver auto|iterative|direct,"
+                "--joint-hertz,--slop,--out FILE,--final-state FILE,--format text|json,--errors,--profile,--hash",
+                ',')) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -56,26 +37,11 @@ TEST(CommandUsage, HelpOfRunHasEveryOption) {
 TEST(CommandUsage, HelpOfSweepHasEveryOption) {
   const CommandResult help = run_atoll({"sweep", "--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* word : {"SCENE",
-                           "--analytic",
-                           "--substeps LIST",
-                           "--iterations LIST",
-                           "--dt LIST",
-                           "--friction LIST",
-                           "--warm-start LIST",
-                           "--relax-iterations LIST",
-                           "--stabilisation LIST",
-                           "--tolerance LIST",
-                           "--threads LIST",
-                           "--simd LIST",
-                           "--quick",
-                           "--steps",
-                           "--repeats",
-                           "--time",
-                           "--seed",
-                           "--peer PROGRAM",
-                           "--peer-limit",
-                           "--out DIR"}) {
+  for (const std::string& word :
+       words_of("SCENE,--analytic,--substeps LIST,--iterations LIST,--dt LIST,--friction LIST,--warm-start LIST,"
+                "--relax-iterations LIST,--stabilisation LIST,--tolerance LIST,--threads LIST,--simd LIST,"
+                "--quick,--steps,--repeats,--time,--seed,--peer PROGRAM,--peer-limit,--out DIR",
+                ',')) {
     EXPECT_NE(help.out.find(word), std::string::npos) << word;
   }
 }
@@ -84,8 +50,7 @@ TEST(CommandUsage, ScenesListsAllWithParameters) {
   const CommandResult scenes = run_atoll({"scenes"});
   EXPECT_EQ(scenes.status, 0);
   EXPECT_EQ(scenes.err, "");
-  for (const char* word :
-       {"pyramid3d", "layers", "wall", "base", "islands", "count", "pile", "bodies", "stack", "height", "ratio"}) {
+  for (const std::string& word : words_of("pyramid3d layers wall base islands count pile bodies stack height ratio")) {
     EXPECT_NE(scenes.out.find(word), std::string::npos) << word;
   }
 }

@@ -11,6 +11,7 @@
 
 #include "support/long_tests.h"
 #include "support/variants.h"
+#include "support/words.h"
 
 namespace atl::test::parallel_test {
 namespace {
@@ -28,30 +29,15 @@ const std::string all_shapes = ATOLL_SOURCE_DIR "/runtime/scene/examples/shapes.
 
 std::vector<std::string> scenes() {
   if (!long_tests()) {
-    return {"pyramid3d:layers=12",  // large enough for all workers to share
-            "wall:base=14",
-            "islands:count=20,base=6",
-            "pile:bodies=300",
-            "rocks:bodies=200",
-            "mixed:bodies=200",
-            "drum:boxes=200",
-            "terrain:bodies=5,triangles=5000",
-            "stack:height=10",
-            "stack:height=30",
-            "stack:height=10,ratio=1000",
-            "heavy-top",
-            "conveyor:boxes=4,speed=3",
-            "rolling-resistance",
-            "torsion",
-            "rocking-block",
-            "cradle",
-            "ragdolls:count=3",
-            "vehicle",
-            "chain:links=20",
-            "joint-grid:n=12",
-            "bridge:planks=12",
-            "slider-crank",
-            all_shapes};
+    // The first is large enough for all workers to share.
+    std::vector<std::string> small = words_of(
+        "pyramid3d:layers=12 wall:base=14 islands:count=20,base=6 pile:bodies=300 rocks:bodies=200 "
+        "mixed:bodies=200 drum:boxes=200 terrain:bodies=5,triangles=5000 stack:height=10 stack:height=30 "
+        "stack:height=10,ratio=1000 heavy-top conveyor:boxes=4,speed=3 rolling-resistance torsion "
+        "rocking-block cradle ragdolls:count=3 vehicle chain:links=20 joint-grid:n=12 bridge:planks=12 "
+        "slider-crank");
+    small.push_back(all_shapes);
+    return small;
   }
   std::vector<std::string> full = {all_shapes};
   for (const BuiltinScene& scene : builtin_scenes()) full.push_back(scene.name);

@@ -11,29 +11,16 @@
 #include <vector>
 
 #include "support/expect_error.h"
+#include "support/words.h"
 
 namespace atl {
 namespace {
 
 std::vector<std::string> scenes() {
-  std::vector<std::string> all = {"pile:bodies=30",
-                                  "pyramid3d:layers=4",
-                                  "wall:base=5,planar=1",
-                                  "rocks:bodies=20",
-                                  "mixed:bodies=30",
-                                  "terrain:bodies=15",
-                                  "ragdolls:count=3",
-                                  "vehicle",
-                                  "conveyor",
-                                  "drum",
-                                  "chain",
-                                  "joint-grid:n=3",
-                                  "marbles:bodies=9",
-                                  "slider-crank",
-                                  "rolling-resistance",
-                                  "cradle",
-                                  "hopper:bodies=20",
-                                  "hanging-chain:links=4"};
+  std::vector<std::string> all = test::words_of(
+      "pile:bodies=30 pyramid3d:layers=4 wall:base=5,planar=1 rocks:bodies=20 mixed:bodies=30 "
+      "terrain:bodies=15 ragdolls:count=3 vehicle conveyor drum chain joint-grid:n=3 marbles:bodies=9 "
+      "slider-crank rolling-resistance cradle hopper:bodies=20 hanging-chain:links=4");
   for (const auto& file : std::filesystem::directory_iterator(ATOLL_SOURCE_DIR "/runtime/scene/examples")) {
     if (file.path().extension() == ".json") all.push_back(file.path().string());
   }
