@@ -183,29 +183,5 @@ TEST(DirectedFriction, AnswersTheContactProblem) {
   }
 }
 
-TEST(DirectedFriction, GoesOnFromASnapshotWithAnyNumberOfThreads) {
-  Snapshot snapshot;
-  std::uint64_t hash = 0;
-  for (const int threads : {1, 2, 4}) {
-    World world({.gravity = tilted(0.2, 0.3), .threads = threads});
-    world.add_body(floor_of());
-    for (int i = 0; i < 40; ++i) {
-      BodyDef def = sledge({std::cos(i), std::sin(i), 0});
-      def.position = {1.1 * (i % 8), 0.7 * (i / 8), 0.1};
-      def.velocity = {0, 0, 0.1 * (i % 3)};
-      world.add_body(def);
-    }
-    run(world, 30);
-    world.save(snapshot);
-    run(world, 30);
-    if (hash == 0) hash = world.state_hash();
-    EXPECT_EQ(world.state_hash(), hash) << threads;
-    World other({.threads = 3 - threads % 2});
-    other.restore(snapshot);
-    run(other, 30);
-    EXPECT_EQ(other.state_hash(), hash) << threads;
-  }
-}
-
 }  // namespace
 }  // namespace atl::test::directed_friction_test

@@ -122,45 +122,5 @@ INSTANTIATE_TEST_SUITE_P(Solvers, DryFriction,
                                   (std::get<1>(setup.param) > 0.01 ? "" : "Fine");
                          });
 
-// An arm of three hinges with servos and friction in gravity: the same bits on two threads, and from a snapshot on.
-TEST(DryFrictionOfAnArm, IsTheSameHoweverItIsStepped) {
-  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct, JointSolver::Auto}) {
-    std::vector<std::uint64_t> hashes;
-    for (const int threads : {1, 2}) {
-      for (const bool restores : {false, true}) {
-        World world({.threads = threads, .settings = {.joint_solver = solver}});
-        BodyId below = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
-        for (int i = 0; i < 3; ++i) {
-          const BodyId link =
-              world.add_body({.shape = Box{{0.2, 0.05, 0.05}}, .position = {0.2 + 0.4 * i, 0, 0}, .density = 500});
-          JointDef joint{
-              .kind =
-                  HingeJoint{{.motor = JointMotor{.max_force = 20,
-                                                  .servo = JointServo{.target = 0.3, .stiffness = 40, .damping = 4}},
-                              .friction = 1}},
-              .first = below,
-              .second = link};
-          const Quaternion turn(Eigen::AngleAxisd(M_PI / 2, Vector3::UnitZ()));
-          joint.frame_first = {{i == 0 ? 0 : 0.2, 0, 0}, turn};
-          joint.frame_second = {{-0.2, 0, 0}, turn};
-          world.add_joint(joint);
-          below = link;
-        }
-        for (int i = 0; i < 120; ++i) {
-          world.step(dt);
-          if (!restores || i != 60) continue;
-          Snapshot saved;
-          world.save(saved);
-          world.step(dt);
-          world.restore(saved);
-        }
-        EXPECT_EQ(world.quarantined().size(), 0u);
-        hashes.push_back(world.state_hash());
-      }
-    }
-    for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, hashes.front());
-  }
-}
-
 }  // namespace
 }  // namespace atl::test::dry_friction_test

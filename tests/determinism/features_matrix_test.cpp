@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "support/bodies.h"
+#include "support/continued.h"
 #include "support/long_tests.h"
 #include "support/scene_run.h"
 #include "support/temporary_file.h"
@@ -140,37 +141,24 @@ const std::vector<Feature>& features() {
   return all;
 }
 
-struct FeatureRun {
-  World world;
+MakeStep fill_with(World& world, const Feature& feature) {
+  world.add_body(ground());
   std::vector<BodyId> bodies;
-  Feature feature;
-
-  FeatureRun(const Feature& of, const Settings& settings, int threads, bool empty = false)
-      : world({.threads = threads, .settings = settings}), feature(of) {
-    of.equip(world);
-    if (empty) return;
-    world.add_body(ground());
-    for (int i = 0; i < 18; ++i) {
-      const Vector3 position(0.45 * (i % 3) - 0.4, 0.4 * (i / 3 % 2), 0.5 + 0.55 * (i / 3));
-      BodyDef def = i % 4 == 0 ? sphere(position, 0.3) : box(position, {0.3, 0.25, 0.25});
-      of.define(def, i);
-      bodies.push_back(world.add_body(def));
-    }
-    // A rope that lies in the pile.
-    for (std::size_t i = 6; i < 9; ++i) {
-      world.add_joint(joint_at(world, BallJoint{}, bodies[i], bodies[i + 1],
-                               0.5 * (world.pose(bodies[i]).position + world.pose(bodies[i + 1]).position)));
-    }
+  for (int i = 0; i < 18; ++i) {
+    const Vector3 position(0.45 * (i % 3) - 0.4, 0.4 * (i / 3 % 2), 0.5 + 0.55 * (i / 3));
+    BodyDef def = i % 4 == 0 ? sphere(position, 0.3) : box(position, {0.3, 0.25, 0.25});
+    feature.define(def, i);
+    bodies.push_back(world.add_body(def));
   }
-  std::uint64_t step(int number) {
-    feature.act(world, bodies, number);
-    world.step(dt);
-    return world.state_hash();
+  // A rope that lies in the pile.
+  for (std::size_t i = 6; i < 9; ++i) {
+    world.add_joint(joint_at(world, BallJoint{}, bodies[i], bodies[i + 1],
+                             0.5 * (world.pose(bodies[i]).position + world.pose(bodies[i + 1]).position)));
   }
-};
-
-std::string name_of(const World& world, BodyId id) {
-  return std::string(world.name(id)) + "/" + std::to_string(world.user_data(id));
+  return [bodies, act = feature.act](World& of, int number) {
+    act(of, bodies, number);
+    of.step(dt);
+  };
 }
 
 using Case = std::tuple<std::size_t, JointSolver, ContactSolver, bool>;
@@ -186,42 +174,17 @@ class FeatureIn : public testing::TestWithParam<Case> {
 };
 
 TEST_P(FeatureIn, HasTheSameBitsHoweverItIsContinued) {
-  const TemporaryFile file(".features");
-  FeatureRun first(feature, settings, 1), other(feature, settings, 2);
-  FeatureRun plain({.name = "none", .define = feature.define}, settings, 1);
-  first.world.record(file.path());
-  Snapshot half;
-  std::vector<std::uint64_t> trail;
+  const auto fill = [&](World& world) { return fill_with(world, feature); };
+  const auto trail = expect_same_bits({fill, settings, steps, feature.equip}, {{.threads = 2}});
+  World plain({.settings = settings});
+  fill_with(plain, {.name = "none", .define = feature.define});
   bool differs = false;
-  for (int i = 0; i < steps; ++i) {
-    if (i == steps / 2) first.world.save(half);
-    trail.push_back(first.step(i));
-    ASSERT_EQ(other.step(i), trail.back()) << feature.name << ": on two threads, step " << i;
-    plain.world.step(dt);
-    differs |= plain.world.state_hash() != trail.back();
+  for (const std::uint64_t hash : trail) {
+    plain.step(dt);
+    differs |= plain.state_hash() != hash;
   }
-  first.world.stop_recording();
   const bool is_all_definition = std::string(feature.name) == "children";
-  EXPECT_EQ(differs, feature.counts && !is_all_definition) << feature.name << ": whether it does anything";
-  for (const int threads : {1, 2}) {
-    const ReplayResult replayed = replay(file.path(), {.threads = threads});
-    EXPECT_FALSE(replayed.divergence) << feature.name;
-    EXPECT_EQ(replayed.hash, trail.back()) << feature.name << ": replayed";
-  }
-  std::vector<std::string> names;
-  for (const BodyId id : first.world.bodies()) names.push_back(name_of(first.world, id));
-  FeatureRun fresh(feature, settings, 2, true);
-  fresh.bodies = first.bodies;
-  for (FeatureRun* run : {&first, &fresh}) {
-    feature.equip(run->world);  // functions are no state
-    run->world.restore(half);
-    for (int i = steps / 2; i < steps; ++i) {
-      ASSERT_EQ(run->step(i), trail[static_cast<std::size_t>(i)])
-          << feature.name << (run == &fresh ? ": in a fresh world" : ": continued") << ", step " << i;
-    }
-    std::size_t number = 0;
-    for (const BodyId id : run->world.bodies()) EXPECT_EQ(name_of(run->world, id), names[number++]);
-  }
+  EXPECT_EQ(differs, feature.counts && !is_all_definition) << "whether it does anything";
 }
 
 // Bodies that are thrown into heaps, where continuous collision asks of what it meets, also on ways aside of what it

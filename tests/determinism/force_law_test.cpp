@@ -2,19 +2,14 @@
 // law.
 
 #include <atoll/forces.h>
-#include <atoll/recording.h>
-#include <atoll/snapshot.h>
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <string>
 #include <tuple>
-#include <vector>
 
+#include "support/continued.h"
 #include "support/scene_run.h"
 #include "support/scenes.h"
-#include "support/temporary_file.h"
-#include "support/variants.h"
 
 namespace atl::test::force_law_test {
 namespace {
@@ -40,64 +35,16 @@ Settings settings_of(const Scene& scene, JointSolver joints, ContactSolver conta
 
 using Case = std::tuple<std::string, JointSolver, ContactSolver>;
 
-class ForceLawOn : public testing::TestWithParam<Case> {
- protected:
-  Scene scene = load_scene(std::get<0>(GetParam()));
-  Settings settings = settings_of(scene, std::get<1>(GetParam()), std::get<2>(GetParam()));
+class ForceLawOn : public testing::TestWithParam<Case> {};
 
-  SceneRun start(int threads = 1, Simd simd = Simd::Auto) const {
-    Settings with = settings;
-    with.simd = simd;
-    return {scene, {.threads = threads, .settings = with}};
-  }
-};
-
-TEST_P(ForceLawOn, IsTheSameWhateverTheThreadsAndVectors) {
-  std::vector<std::uint64_t> trail;
-  SceneRun first = start();
-  for (int i = 0; i < steps; ++i) {
-    ASSERT_EQ(first.world.step(scene.dt, blow).first_quarantined, -1);
-    trail.push_back(first.world.state_hash());
-  }
-  for (const divergence::Variant& variant : variants_of({4, 1})) {
-    SceneRun other = start(variant.threads, variant.simd);
-    for (int i = 0; i < steps; ++i) {
-      other.world.step(scene.dt, blow);
-      ASSERT_EQ(other.world.state_hash(), trail[static_cast<std::size_t>(i)]) << "step " << i;
-    }
-  }
-}
-
-TEST_P(ForceLawOn, GoesOnAsItWasSaved) {
-  SceneRun run = start();
-  for (int i = 0; i < steps / 2; ++i) run.world.step(scene.dt, blow);
-  Snapshot snapshot;
-  run.world.save(snapshot);
-  SceneRun fresh = start(2);
-  fresh.world.restore(snapshot);
-  for (int i = 0; i < steps / 2; ++i) {
-    run.world.step(scene.dt, blow);
-    fresh.world.step(scene.dt, blow);
-    ASSERT_EQ(run.world.state_hash(), fresh.world.state_hash()) << "step " << i;
-  }
-}
-
-TEST_P(ForceLawOn, IsReplayedWithoutTheLaw) {
-  const TemporaryFile file(".force-law");
-  SceneRun run = start();
-  run.world.record(file.path());
-  for (int i = 0; i < steps; ++i) {
-    if (i % 3 == 2) {
-      run.world.step(scene.dt);
-    } else {
-      run.world.step(scene.dt, blow);
-    }
-  }
-  run.world.stop_recording();
-  const ReplayResult result = replay(file.path(), {.threads = 2});
-  EXPECT_FALSE(result.divergence.has_value());
-  EXPECT_EQ(result.steps, steps);
-  EXPECT_EQ(result.hash, run.world.state_hash());
+TEST_P(ForceLawOn, HasTheSameBitsAndIsReplayedWithoutTheLaw) {
+  const Scene scene = load_scene(std::get<0>(GetParam()));
+  const Settings settings = settings_of(scene, std::get<1>(GetParam()), std::get<2>(GetParam()));
+  const auto fill = [&](World& world) -> MakeStep {
+    fill_scene(world, scene);
+    return [dt = scene.dt](World& of, int i) { i % 3 == 2 ? of.step(dt) : of.step(dt, blow); };
+  };
+  expect_same_bits({.fill = fill, .settings = settings, .steps = 8}, variants_of({4, 1}));
 }
 
 INSTANTIATE_TEST_SUITE_P(

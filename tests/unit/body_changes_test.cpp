@@ -249,7 +249,7 @@ TEST(BodyChanges, WhatStoodOnALargerShapeFallsAndWhatIsWithinOneThatGrowsIsPushe
 
 TEST(BodyChanges, NamesStayWithTheirBodies) {
   World world;
-  const BodyId a = world.add_body({.name = "crate"});
+  const BodyId a = world.add_body({.name = "crate", .user_data = 7});
   const BodyId b = world.add_body({.position = {3, 0, 0}, .name = "crate"});
   const BodyId c = world.add_body({.position = {6, 0, 0}});
   EXPECT_EQ(world.name(a), "crate");
@@ -260,12 +260,14 @@ TEST(BodyChanges, NamesStayWithTheirBodies) {
   world.save(snapshot);
   const std::uint64_t hash = world.state_hash();
   world.set_name(a, "");
+  world.set_user_data(a, 8);
   world.set_name(c, "lid");
   EXPECT_EQ(world.state_hash(), hash) << "nothing follows from it";
   EXPECT_EQ(world.find_body("crate"), b);
   EXPECT_EQ(world.find_body("lid"), c);
   world.restore(snapshot);
   EXPECT_EQ(world.find_body("crate"), a);
+  EXPECT_EQ(world.user_data(a), 7u);
   EXPECT_EQ(world.find_body("lid"), std::nullopt);
   world.remove_body(a);
   EXPECT_EQ(world.find_body("crate"), b);

@@ -3,8 +3,6 @@
 #include <atoll/atoll.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,8 +16,7 @@ struct Fall {
   World world;
   BodyId sensor, ball;
 
-  explicit Fall(const Settings& settings = {}, int threads = 1, const Shape& gate = Box{{1, 1, 0.25}})
-      : world({.threads = threads, .settings = settings}) {
+  explicit Fall(const Shape& gate = Box{{1, 1, 0.25}}) {
     sensor = world.add_body(
         {.type = BodyType::Static, .shape = gate, .position = {0, 0, 1}, .sensor = true, .name = "gate"});
     ball = world.add_body({.shape = Sphere{0.1}, .position = {0, 0, 2}});
@@ -30,7 +27,7 @@ TEST(Sensors, TellWhoEntersAndWhoLeavesAndHoldNobodyUp) {
   for (const Shape& gate :
        {Shape(Box{{1, 1, 0.25}}), Shape(Cylinder{0.5, 0.25}),
         Shape(Compound{{{Box{{0.2, 0.2, 0.25}}, {-0.2, 0, 0}}, {Box{{0.2, 0.2, 0.25}}, {0.2, 0, 0}}}})}) {
-    Fall fall({}, 1, gate);
+    Fall fall(gate);
     World alone;
     const BodyId twin = alone.add_body({.shape = Sphere{0.1}, .position = {0, 0, 2}});
     std::vector<std::pair<bool, double>> events;
@@ -131,50 +128,6 @@ TEST(Sensors, AreFoundByQueriesThatAskForThem) {
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->body, fall.sensor);
   EXPECT_NEAR(hit->distance, 1.75, 1e-12);
-}
-
-TEST(Sensors, FollowRestoresThreadsAndRecordings) {
-  const auto run = [](Fall& fall, int steps, std::vector<std::string>& log) {
-    for (int i = 0; i < steps; ++i) {
-      fall.world.step(dt);
-      for (const SensorEvent& event : fall.world.sensor_events()) {
-        log.push_back(std::to_string(event.body.index) + (event.entered ? "+" : "-") +
-                      std::to_string(fall.world.state_hash()));
-      }
-    }
-  };
-  for (const ContactSolver solver : {ContactSolver::Auto, ContactSolver::Direct}) {
-    std::vector<std::string> expected;
-    for (const int threads : {1, 2}) {
-      const std::string file = testing::TempDir() + "sensors.rec";
-      Fall fall({.contact_solver = solver, .sleeping = true}, threads);
-      for (int i = 0; i < 40; ++i) {
-        fall.world.add_body({.shape = Box{{0.1, 0.1, 0.1}}, .position = {0.3 * (i % 3) - 0.3, 0, 3 + 0.25 * i}});
-        fall.world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}, .position = {0.3 * (i % 7) - 1, 0, -0.5}});
-      }
-      fall.world.record(file);
-      std::vector<std::string> log;
-      run(fall, 40, log);
-      Snapshot snapshot;
-      fall.world.save(snapshot);
-      const std::size_t before = log.size();
-      run(fall, 60, log);
-      if (expected.empty()) expected = log;
-      EXPECT_EQ(log, expected);
-      EXPECT_GT(log.size(), 20u);
-      EXPECT_GT(before, 0u);
-      fall.world.restore(snapshot);
-      EXPECT_TRUE(fall.world.sensor_events().empty());
-      std::vector<std::string> again(log.begin(), log.begin() + static_cast<std::ptrdiff_t>(before));
-      run(fall, 60, again);
-      EXPECT_EQ(again, expected);
-      fall.world.stop_recording();
-      const ReplayResult replayed = replay(file, {.threads = threads});
-      EXPECT_FALSE(replayed.divergence);
-      EXPECT_EQ(replayed.hash, fall.world.state_hash());
-      std::filesystem::remove(file);
-    }
-  }
 }
 
 TEST(Sensors, AreSolids) {

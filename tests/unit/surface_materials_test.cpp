@@ -11,7 +11,6 @@
 
 #include "support/bodies.h"
 #include "support/expect_error.h"
-#include "support/temporary_file.h"
 
 namespace atl::test::surface_materials_test {
 namespace {
@@ -94,38 +93,6 @@ TEST(SurfaceMaterials, ABallBouncesWhereTheyBounce) {
   }
   EXPECT_NEAR(highest_dead, 0.25, 0.01);
   EXPECT_NEAR(highest_lively, 0.25 + 0.64, 0.05);
-}
-
-// The same bits on two threads, after a restore into a fresh world, and replayed.
-TEST(SurfaceMaterials, GoOnTheSameHoweverContinued) {
-  const TemporaryFile file(".ice");
-  const auto fill = [](World& world) {
-    world.add_body(floor(0, glass));
-    world.add_body(floor(3, {.friction = 0.2, .restitution = 0.5}, true));
-    for (int i = 0; i < 6; ++i) {
-      BodyDef def = slider(1.2 * i - 3, 4.0 - 2 * i);
-      def.position += Vector3(0, 0.3 * i - 1, 0.05 * i);
-      world.add_body(def);
-    }
-    world.add_body(sphere({0, 1.2, 1}, 0.2));
-  };
-  World one({.threads = 1}), two({.threads = 2}), fresh;
-  fill(one);
-  fill(two);
-  one.record(file.path());
-  Snapshot half;
-  for (int i = 0; i < 80; ++i) {
-    if (i == 25) one.save(half);
-    if (i == 25) fresh.restore(half);
-    one.step(dt);
-    two.step(dt);
-    ASSERT_EQ(one.state_hash(), two.state_hash()) << i;
-    if (i < 25) continue;
-    fresh.step(dt);
-    ASSERT_EQ(one.state_hash(), fresh.state_hash()) << i;
-  }
-  one.stop_recording();
-  EXPECT_FALSE(replay(file.path()).divergence);
 }
 
 TEST(SurfaceMaterials, ASceneFileHasThemAndHoles) {
