@@ -394,17 +394,6 @@ TEST(MotionLocks, StaticAndKinematicBodiesHaveNone) {
   EXPECT_NEAR(world.pose(id).position.y(), 1, 1e-9);
 }
 
-TEST(MotionLocks, AreAStageOfTheirOwn) {
-  World world;
-  world.add_body(ground());
-  world.add_body(box({0, 0, 0.5}));
-  EXPECT_FALSE(world.step(dt).feature(Feature::MotionLocks).run);
-  world.add_body(locked(box({3, 0, 0.5}), in_plane));
-  const FeatureReport feature = world.step(dt).feature(Feature::MotionLocks);
-  EXPECT_TRUE(feature.run);
-  EXPECT_EQ(feature.items, 1);
-}
-
 TEST(MotionLocks, JointsAreRefused) {
   World world;
   const BodyId free = world.add_body(box({0, 0, 0}));

@@ -1,5 +1,4 @@
-// Scenes that start in their ideal rest pose stay there. A soft contact under n boxes of mass m gives way by about
-// n g / (omega^2 share) whatever the scene does, so sink is bounded apart from drift and tilt, which have no excuse.
+// Bodies that start at rest stay there. Stacks, walls and pyramids are cases of runtime/checks/stability.
 
 #include <gtest/gtest.h>
 
@@ -7,44 +6,6 @@
 
 namespace atl::test {
 namespace {
-
-TEST(Rest, PyramidStandsWithLittlePenetration) {
-  SceneRun pyramid("pyramid3d:layers=6");
-  run_finite(pyramid.world, 300);
-  EXPECT_LT(pyramid.penetration().max, 2e-3);
-  const RestReport rest = pyramid.rest();
-  EXPECT_LT(rest.sink_max, 1e-2);
-  EXPECT_LT(rest.drift_max, 1e-2);
-  EXPECT_LT(rest.tilt_max, 1e-2);
-}
-
-TEST(Rest, StackOfTenStandsForTenSeconds) {
-  SceneRun stack("stack:height=10");
-  run_finite(stack.world, 600);
-  const RestReport rest = stack.rest();
-  EXPECT_LT(rest.sink_max, 5e-2);
-  EXPECT_LT(rest.drift_max, 1e-2);
-  EXPECT_LT(rest.tilt_max, 1e-2);
-  EXPECT_LT(kinetic_energy(stack.world, dynamic_bodies(stack.world, stack.ids)), 1e-3);
-}
-
-TEST(Rest, WallStands) {
-  SceneRun wall("wall:base=20");
-  run_finite(wall.world, 300);
-  EXPECT_LT(wall.penetration().max, 5e-3);
-  const RestReport rest = wall.rest();
-  EXPECT_LT(rest.sink_max, 0.1);
-  EXPECT_LT(rest.drift_max, 0.05);
-  EXPECT_LT(rest.tilt_max, 0.05);
-}
-
-TEST(Rest, IslandsStand) {
-  SceneRun islands("islands:count=20,base=6");
-  run_finite(islands.world, 300);
-  EXPECT_LT(islands.penetration().max, 2e-3);
-  EXPECT_LT(islands.rest().drift_max, 1e-2);
-  EXPECT_LT(islands.rest().tilt_max, 1e-2);
-}
 
 TEST(Rest, SphereStaysWhereItWasPutOnTopOfABox) {
   // An unstable balance, but an exact one: nothing in it points sideways.

@@ -32,15 +32,6 @@ struct SleepingStack {
   }
 };
 
-TEST(Sleep, SettledStackFallsAsleep) {
-  SleepingStack sleeping;
-  EXPECT_TRUE(sleeping.all_asleep());
-  const StepReport report = sleeping.world.step(dt);
-  EXPECT_EQ(report.counts.asleep, height);
-  EXPECT_EQ(report.counts.islands, 0);
-  EXPECT_EQ(report.counts.recomputed_manifolds, 0);
-}
-
 TEST(Sleep, NothingSleepsUnlessAsked) {
   World world;
   world.add_body(ground());

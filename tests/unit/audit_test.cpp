@@ -138,14 +138,6 @@ TEST(Penetration, NinetyNinthPercentileIsByNearestRank) {
   }
 }
 
-TEST(Penetration, NothingOverlapsNothing) {
-  const PenetrationReport report = measure_penetration({});
-  EXPECT_EQ(report.pairs, 0u);
-  EXPECT_EQ(report.max, 0);
-  EXPECT_EQ(report.p99, 0);
-  EXPECT_EQ(report.mean, 0);
-}
-
 TEST(Penetration, BodyThatIsNotFiniteIsLeftOut) {
   std::vector<PlacedShape> shapes = {place(Sphere{1}, {0, 0, 0}), place(Sphere{1}, {1, 0, 0})};
   shapes.push_back(place(Sphere{1}, Vector3::Constant(std::numeric_limits<double>::quiet_NaN())));

@@ -186,50 +186,6 @@ TEST(ContactFilter, ContinuousCollisionAndQueriesGoByIt) {
   EXPECT_THROW(queries.cast_ray(ray, {.as = ball}), Error);
 }
 
-// Balls that cross a room in a step or two, some of which don't meet each other.
-TEST(ContactFilter, IsAskedByContinuousCollisionInOneOrder) {
-  const auto run_on = [](int threads) {
-    World world({.gravity = Vector3::Zero(), .threads = threads});
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double side : {-1.0, 1.0}) {
-        Vector3 half = Vector3::Constant(2.2), position = Vector3::Zero();
-        half[axis] = 0.1;
-        position[axis] = 2.1 * side;
-        world.add_body(static_box(position, half));
-      }
-    }
-    std::vector<BodyId> balls;
-    for (int i = 0; i < 60; ++i) {
-      BodyDef def = sphere({0.8 * (i % 4) - 1.2, 0.8 * (i / 4 % 4) - 1.2, 0.8 * (i / 16) - 1.2}, 0.15);
-      def.velocity = {40.0 * (i % 7) - 120, 30.0 * (i % 5) - 60, 50.0 * (i % 3) - 50};
-      def.material = {.friction = 0.1, .restitution = 1};
-      balls.push_back(world.add_body(def));
-    }
-    std::vector<Asked> questions;
-    world.set_contact_filter([&](const ContactCandidate& of) {
-      questions.push_back(asked(of));
-      return of.a.index < 6 || (of.a.index + of.b.index) % 3 != 0;
-    });
-    const TemporaryFile file(".room");
-    world.record(file.path());
-    std::int64_t swept = 0;
-    for (int i = 0; i < 100; ++i) {
-      swept += world.step(dt).counts.swept;
-      for (const ContactForce& of : world.contact_forces()) {
-        EXPECT_TRUE(of.a.index < 6 || (of.a.index + of.b.index) % 3 != 0);
-      }
-    }
-    EXPECT_GT(swept, 1000);
-    for (const BodyId id : balls) EXPECT_LT(world.pose(id).position.cwiseAbs().maxCoeff(), 2);
-    world.stop_recording();
-    const ReplayResult replayed = replay(file.path(), {.threads = 3 - threads});
-    EXPECT_FALSE(replayed.divergence);
-    EXPECT_EQ(replayed.hash, world.state_hash());
-    return std::pair(questions, world.state_hash());
-  };
-  EXPECT_EQ(run_on(1), run_on(2));
-}
-
 // Lets through what comes from below.
 void one_way(ModifiableContact& contact, BodyId platform) {
   if (contact.a != platform && contact.b != platform) return;
@@ -464,25 +420,6 @@ TEST(ContactCallbacks, ThatChangeNothingLeaveAllAsItIs) {
   };
   EXPECT_EQ(hash_with(false, 1), hash_with(true, 1));
   EXPECT_EQ(hash_with(false, 1), hash_with(true, 2));
-}
-
-TEST(ContactCallbacks, AreInThePlan) {
-  World world;
-  world.add_body(ground());
-  world.add_body(box({0, 0, 0.5}));
-  StepReport report = world.step(dt);
-  EXPECT_FALSE(report.feature(Feature::ContactFilter).run);
-  EXPECT_STREQ(report.feature(Feature::ContactFilter).why, "no contact filter is set");
-  EXPECT_STREQ(report.feature(Feature::ContactModifier).why, "no contact modifier is set");
-  world.set_contact_filter([](const ContactCandidate&) { return true; });
-  world.set_contact_modifier([](ModifiableContact&) {});
-  world.add_body(box({3, 0, 0.5}));
-  report = world.step(dt);
-  EXPECT_EQ(report.feature(Feature::ContactFilter).items, 1);
-  EXPECT_EQ(report.feature(Feature::ContactModifier).items, 2);
-  report = world.step(dt);
-  EXPECT_FALSE(report.feature(Feature::ContactFilter).run);
-  EXPECT_STREQ(report.feature(Feature::ContactFilter).why, "no pair is new to the filter");
 }
 
 TEST(ContactCallbacks, ThatThrowLetTheStepEndFirst) {

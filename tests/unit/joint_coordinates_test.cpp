@@ -179,15 +179,6 @@ TEST(JointLaws, DoNotFadeWhereTheyLockAtZero) {
   }
 }
 
-TEST_P(JointCoordinates, RatesOnlyHaveNoValue) {
-  Random random(4);
-  const bool rate_only = is_rate(GetParam());
-  for (int i = 0; i < 100; ++i) {
-    const JointPose pose(random, GetParam());
-    EXPECT_EQ(pose.row().value == 0, rate_only);
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(All, JointCoordinates, testing::ValuesIn(test::all_coordinates));
 
 JointFrames frames_of(const Eigen::Matrix3d& first, const Eigen::Matrix3d& relative) {

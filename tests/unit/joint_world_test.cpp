@@ -143,17 +143,6 @@ TEST(JointWorld, JointsGoWithEitherBody) {
   }
 }
 
-// Removing a body must free its joints' indices in the same order, however the joints came to be in its list.
-TEST(JointWorld, IndicesComeFreeInOrder) {
-  Crates crates;
-  std::vector<JointId> joints;
-  for (int i = 0; i < 4; ++i) joints.push_back(crates.add(crates.a, i % 2 == 0 ? crates.b : crates.c));
-  crates.world.remove_joint(joints[1]);
-  crates.add(crates.a, crates.b);
-  crates.world.remove_body(crates.a);
-  for (std::uint32_t i = 4; i-- > 0;) EXPECT_EQ(crates.add(crates.b, crates.c).index, i);
-}
-
 TEST(JointWorld, WhatKeepsAPairApartIsCounted) {
   Crates crates;
   const JointId one = crates.add(crates.a, crates.b, false, FixedJoint{});
@@ -225,15 +214,6 @@ TEST(JointWorld, AJointBetweenBodiesThatAreNotDynamicIsIdle) {
       return Eigen::Matrix3Xd(world.positions());
     };
     EXPECT_EQ(moved(true), moved(false));
-  }
-}
-
-TEST(JointWorld, SettingsChooseWhichJointsAreSolvedAtOnce) {
-  Crates crates;
-  crates.add(crates.a, crates.c);
-  for (const JointSolver solver : {JointSolver::Direct, JointSolver::Iterative, JointSolver::Direct}) {
-    crates.world.set_settings({.joint_solver = solver});
-    EXPECT_EQ(crates.world.step(dt).counts.direct_joints, solver == JointSolver::Direct ? 1 : 0);
   }
 }
 

@@ -10,22 +10,17 @@
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <limits>
-#include <string>
 #include <vector>
 
+#include "support/long_tests.h"
 #include "support/random.h"
 
 namespace atl::collision {
 namespace {
 
+using test::long_tests;
 using test::Random;
-
-bool long_tests() {
-  const char* value = std::getenv("ATOLL_LONG_TESTS");
-  return value != nullptr && std::string(value) != "0";
-}
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
