@@ -250,23 +250,6 @@ TEST(Hull, MoreThan255VerticesAreSimplified) {
   }
 }
 
-TEST(Hull, IsTakenInAFrameAtItsCentre) {
-  Cloud corners = box_corners({1, 2, 3});
-  EXPECT_EQ(hull_of(corners).centred, nullptr);
-  const Vector3 offset(30, -20, 10);
-  for (Vector3& corner : corners) corner += offset;
-  const Hull hull = hull_of(corners);
-  ASSERT_NE(hull.centred, nullptr);
-  EXPECT_NEAR(hull.centred->bounding_radius, std::sqrt(14.0), 1e-13);
-  EXPECT_TRUE(hull.centred->mass.centre.isZero(0));
-  const Pose pose{{1, 2, 3}, Quaternion(0, 0, 1, 0)};
-  const PlacedShape placed = centred(Shape::convex_hull(hull), pose);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vector3 there = placed.pose.position + placed.pose.orientation * placed.shape.hull->vertices[i];
-    EXPECT_LT((there - pose.position - pose.orientation * hull.vertices[i]).norm(), 1e-13);
-  }
-}
-
 TEST(Hull, RefusesWhatHasNone) {
   expect_problem({}, "found 0 distinct points, expected at least 4");
   expect_problem({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, "found 3 distinct points");

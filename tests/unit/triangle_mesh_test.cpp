@@ -1,4 +1,5 @@
-// Meshes: adjacency, which edges are convex, the tree against brute force, and what is refused.
+// Meshes: whose triangles are neighbours, the tree against brute force, and what is refused. Edges that bend are those
+// of surface_contacts_test.cpp.
 
 #include <collision/shapes/triangle_mesh.h>
 #include <gtest/gtest.h>
@@ -16,7 +17,6 @@ namespace {
 using test::Random;
 using Vertices = std::vector<Vector3>;
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
-constexpr std::uint32_t none = TriangleMesh::no_triangle;
 
 TriangleMesh mesh_of(const Vertices& vertices, const Triangles& triangles) {
   auto result = build_triangle_mesh(vertices, triangles);
@@ -35,10 +35,6 @@ void expect_problem(const Vertices& vertices, const Triangles& triangles, const 
 const Vertices cube_vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 const Triangles cube_triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
                                   {2, 3, 7}, {2, 7, 6}, {1, 2, 6}, {1, 6, 5}, {3, 0, 4}, {3, 4, 7}};
-
-// Two triangles of 1 m that share the y axis; the one at x > 0 climbs by an angle.
-Vertices fold(double angle) { return {{0, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {std::cos(angle), 0, std::sin(angle)}}; }
-const Triangles fold_triangles = {{0, 1, 2}, {1, 0, 3}};
 
 // A surface over a grid of n x n cells with random heights; corners of triangles not shared where `soup`.
 struct Surface {
@@ -68,76 +64,6 @@ Surface random_surface(std::uint32_t n, Random& random, bool soup) {
     }
   }
   return surface;
-}
-
-TEST(TriangleMesh, OfACubeIsClosedAndConvexAtItsTwelveEdges) {
-  const TriangleMesh mesh = mesh_of(cube_vertices, cube_triangles);
-  EXPECT_TRUE(mesh.closed);
-  int convex = 0;
-  for (std::uint32_t t = 0; t < 12; ++t) {
-    const Triangle triangle = mesh.triangle(t);
-    const Vector3 middle = (triangle.vertices[0] + triangle.vertices[1] + triangle.vertices[2]) / 3;
-    EXPECT_GT(triangle.normal.dot(middle - Vector3::Constant(0.5)), 0.4);  // outwards
-    for (unsigned e = 0; e < 3; ++e) {
-      const std::uint32_t neighbour = mesh.neighbours[t][e];
-      ASSERT_NE(neighbour, none);
-      EXPECT_EQ(triangle.neighbour_normals[e], mesh.normals[neighbour]);
-      const bool is_convex = (triangle.convex_edges >> e & 1) != 0;
-      EXPECT_EQ(is_convex, triangle.normal.dot(mesh.normals[neighbour]) < 0.5);  // not at the diagonals
-      convex += is_convex;
-    }
-  }
-  EXPECT_EQ(convex, 24);  // each from both sides
-  EXPECT_EQ(mesh.lower, Vector3::Zero());
-  EXPECT_EQ(mesh.upper, Vector3::Ones());
-  EXPECT_DOUBLE_EQ(mesh.bounding_radius, std::sqrt(3.0));
-}
-
-TEST(TriangleMesh, EdgesAreConvexWhereTheSurfaceBendsOutwards) {
-  for (const double angle : {-3.0, -1.5, -0.1, -0.002}) {
-    const TriangleMesh mesh = mesh_of(fold(angle), fold_triangles);
-    EXPECT_EQ(mesh.neighbours[0][0], 1u);
-    EXPECT_EQ(mesh.neighbours[1][0], 0u);
-    EXPECT_EQ(mesh.convex_edges[0], 7);
-    EXPECT_EQ(mesh.convex_edges[1], 7);
-  }
-  for (const double angle : {-0.0005, 0.0, 0.0005, 0.1, 1.5, 3.0}) {
-    const TriangleMesh mesh = mesh_of(fold(angle), fold_triangles);
-    EXPECT_EQ(mesh.convex_edges[0], 6) << angle;
-    EXPECT_EQ(mesh.convex_edges[1], 6) << angle;
-  }
-}
-
-TEST(TriangleMesh, NeighboursAreMutualAndShareTheEdge) {
-  Random random(1);
-  const Surface surface = random_surface(12, random, false);
-  const TriangleMesh mesh = mesh_of(surface.vertices, surface.triangles);
-  int open = 0;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle triangle = mesh.triangle(t);
-    for (unsigned e = 0; e < 3; ++e) {
-      const std::uint32_t neighbour = mesh.neighbours[t][e];
-      if (neighbour == none) {
-        ++open;
-        EXPECT_EQ(triangle.neighbour_normals[e], triangle.normal);
-        EXPECT_NE(triangle.convex_edges >> e & 1, 0);
-        continue;
-      }
-      // The neighbour's far corner lies behind this triangle's plane just where the edge is convex.
-      const auto& back = mesh.neighbours[neighbour];
-      const auto there = static_cast<std::size_t>(std::find(back.begin(), back.end(), t) - back.begin());
-      ASSERT_LT(there, 3u);
-      EXPECT_EQ(mesh.triangles[neighbour][there], mesh.triangles[t][(e + 1) % 3]);
-      EXPECT_EQ(mesh.triangles[neighbour][(there + 1) % 3], mesh.triangles[t][e]);
-      const Vector3 far = mesh.vertices[mesh.triangles[neighbour][(there + 2) % 3]] - triangle.vertices[e];
-      const double height = far.dot(triangle.normal);
-      if (std::abs(height) > 0.01) {
-        EXPECT_EQ((triangle.convex_edges >> e & 1) != 0, height < 0);
-      }
-    }
-  }
-  EXPECT_EQ(open, 48);
-  EXPECT_FALSE(mesh.closed);
 }
 
 // Repeats vertices for each triangle, as some file formats do.
