@@ -13,6 +13,7 @@
 
 #include "support/bodies.h"
 #include "support/long_tests.h"
+#include "support/random.h"
 #include "support/scene_run.h"
 #include "support/scenes.h"
 
@@ -20,23 +21,6 @@ namespace atl::test::rollback_test {
 namespace {
 
 constexpr int steps_after = 12;
-
-/// Numbers without a pattern (Steele et al., "Fast splittable pseudorandom number generators", OOPSLA 2014).
-class Choices {
- public:
-  explicit Choices(std::uint64_t seed) : state_(seed) {}
-  int below(int end) { return static_cast<int>(next() % static_cast<std::uint64_t>(end)); }
-
- private:
-  std::uint64_t next() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-
-  std::uint64_t state_;
-};
 
 /// A run: a scene, with forces if it has some, and settings that turn on every kind of state.
 struct Run {
@@ -83,13 +67,14 @@ std::vector<std::uint64_t> trail(Run& run) {
 }
 
 /// Changes that a world may go through before it is taken back.
-void disturb(Run& run, Choices& choices) {
+void disturb(Run& run, Random& choices) {
   World& world = run.world();
   switch (choices.below(5)) {
     case 0:
       break;
     case 1: {
-      const BodyId id = run.scene.ids[static_cast<std::size_t>(choices.below(static_cast<int>(run.scene.ids.size())))];
+      const BodyId id =
+          run.scene.ids[static_cast<std::size_t>(choices.below(static_cast<std::uint32_t>(run.scene.ids.size())))];
       if (world.contains(id)) world.remove_body(id);
       break;
     }
@@ -109,7 +94,7 @@ void disturb(Run& run, Choices& choices) {
         if (world.contains(id) && world.type(id) == BodyType::Dynamic) world.apply_force(id, {0, 0, 1e3});
       }
   }
-  for (int i = choices.below(8); i > 0; --i) world.step(run.scene.scene.dt);
+  for (std::uint32_t i = choices.below(8); i > 0; --i) world.step(run.scene.scene.dt);
 }
 
 std::filesystem::path file_of(const std::string& text, std::uint64_t seed) {
@@ -119,11 +104,11 @@ std::filesystem::path file_of(const std::string& text, std::uint64_t seed) {
 
 /// Saves at a step and goes on; goes on again from the snapshot, in one of several ways.
 void roll_back(const std::string& text, std::uint64_t seed) {
-  Choices choices(seed);
+  Random choices(static_cast<std::uint32_t>(seed));
   const auto features = static_cast<Run::Features>(choices.below(3));
-  const int before = choices.below(60);
+  const int before = static_cast<int>(choices.below(60));
   SCOPED_TRACE(text + ", seed " + std::to_string(seed) + ", step " + std::to_string(before));
-  Run run(text, features, 1 + choices.below(3));
+  Run run(text, features, 1 + static_cast<int>(choices.below(3)));
   for (int i = 0; i < before; ++i) run.step();
   Snapshot snapshot;
   run.world().save(snapshot);
@@ -139,8 +124,9 @@ void roll_back(const std::string& text, std::uint64_t seed) {
       break;
     }
     case 1: {
-      Run fresh(text, features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
-      for (int i = choices.below(20); i > 0; --i) fresh.step();
+      Run fresh(text, features, 1 + static_cast<int>(choices.below(3)),
+                choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
+      for (std::uint32_t i = choices.below(20); i > 0; --i) fresh.step();
       fresh.world().restore(snapshot);
       EXPECT_EQ(trail(fresh), expected) << "another world";
       break;
@@ -148,7 +134,8 @@ void roll_back(const std::string& text, std::uint64_t seed) {
     default: {
       const std::filesystem::path file = file_of(text, seed);
       snapshot.write(file);
-      Run fresh(text, features, 1 + choices.below(3), choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
+      Run fresh(text, features, 1 + static_cast<int>(choices.below(3)),
+                choices.below(2) == 0 ? Simd::Auto : Simd::Portable);
       if (choices.below(2) == 1) fresh.world().remove_body(fresh.scene.ids.back());
       fresh.world().restore(Snapshot::read(file));
       std::filesystem::remove(file);
@@ -176,9 +163,9 @@ TEST(Rollback, ManyAtRandom) {
   const int count = asked != nullptr ? std::atoi(asked) : 0;
   if (count <= 0) GTEST_SKIP() << "ATOLL_ROLLBACKS=1000 runs as many";
   const std::vector<std::string> scenes = small_scenes();
-  Choices choices(7);
+  Random choices(7);
   for (int i = 0; i < count; ++i) {
-    roll_back(scenes[static_cast<std::size_t>(choices.below(static_cast<int>(scenes.size())))],
+    roll_back(scenes[static_cast<std::size_t>(choices.below(static_cast<std::uint32_t>(scenes.size())))],
               1000 + static_cast<std::uint64_t>(i));
     if (HasFatalFailure() || HasNonfatalFailure()) return;
   }
@@ -187,12 +174,7 @@ TEST(Rollback, ManyAtRandom) {
 // The direct solvers' caches of islands are no part of a state: here those of contacts of a hinge whose end bounces.
 TEST(Rollback, AnIslandSolvedAtOnceKeepsNothingOfAnother) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    Choices choices(seed);
-    const auto part = [&] { return 0.01 * (choices.below(201) - 100); };
-    const auto vector = [&] {
-      const double x = part(), y = part(), z = part();
-      return Vector3(x, y, z);
-    };
+    Random choices(static_cast<std::uint32_t>(seed));
     World world({.settings = {.contact_solver = ContactSolver::Direct, .joint_solver = JointSolver::Direct}});
     world.add_body(static_box({0, 0, -1}, {10, 10, 1}));
     const BodyId a = world.add_body(box({0, 0, 0.2}, {0.3, 0.2, 0.2}));
@@ -205,8 +187,8 @@ TEST(Rollback, AnIslandSolvedAtOnceKeepsNothingOfAnother) {
     run(world, 5);
     const std::uint64_t after = world.state_hash();
     world.restore(snapshot);
-    world.set_velocity(a, vector(), 3 * vector());
-    world.set_velocity(b, vector() + Vector3::UnitZ(), vector());
+    world.set_velocity(a, choices.vector(1), 3 * choices.vector(1));
+    world.set_velocity(b, choices.vector(1) + Vector3::UnitZ(), choices.vector(1));
     run(world, 2);
     world.restore(snapshot);
     run(world, 5);

@@ -2,11 +2,11 @@
 
 #include <atoll/scene.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
+#include <string>
+
+#include "support/temporary_file.h"
 
 namespace atl {
 namespace {
@@ -38,22 +38,10 @@ void expect_refused(const std::string& shape, const std::string& starts, const s
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0) << message;
 }
 
-// A file that is there as long as this object is.
-class TemporaryFile {
- public:
-  TemporaryFile(const std::string& name, const std::string& text)
-      : path_(std::filesystem::temp_directory_path() / (std::to_string(getpid()) + "_" + name)) {
-    std::ofstream(path_) << text;
-  }
-  ~TemporaryFile() { std::filesystem::remove(path_); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  std::string path() const { return path_.string(); }
-  std::string name() const { return path_.filename().string(); }
-
- private:
-  std::filesystem::path path_;
+// With a content of its own.
+struct Written : test::TemporaryFile {
+  Written(const std::string& ending, const std::string& text) : TemporaryFile(ending) { set_content(text); }
+  std::string name() const { return path().filename().string(); }
 };
 
 constexpr const char* cube_obj =
@@ -132,15 +120,15 @@ TEST(SceneShapes, Compound) {
 
 // Next to the scene file, with what programs write into such files: polygons, normals, groups, counting back.
 TEST(SceneShapes, WavefrontFiles) {
-  const TemporaryFile obj("cube.obj", cube_obj);
-  const TemporaryFile scene("cube.json",
-                            file_with(R"({"type": "mesh", "file": ")" + obj.name() + R"(", "scale": [2, 2, 2]})"));
-  const auto mesh = std::get<TriangleMesh>(load_scene(scene.path()).bodies[0].def.shape);
+  const Written obj("-cube.obj", cube_obj);
+  const Written scene("-cube.json",
+                      file_with(R"({"type": "mesh", "file": ")" + obj.name() + R"(", "scale": [2, 2, 2]})"));
+  const auto mesh = std::get<TriangleMesh>(load_scene(scene.path().string()).bodies[0].def.shape);
   EXPECT_EQ(mesh.triangles().size(), 12u);
   EXPECT_TRUE(mesh.closed());
   EXPECT_EQ(mesh.vertices()[6], Vector3(2, 2, 2));
-  const TemporaryFile hull("hull.json", file_with(R"({"type": "hull", "file": ")" + obj.name() + "\"}"));
-  const auto cube = std::get<ConvexHull>(load_scene(hull.path()).bodies[0].def.shape);
+  const Written hull("-hull.json", file_with(R"({"type": "hull", "file": ")" + obj.name() + "\"}"));
+  const auto cube = std::get<ConvexHull>(load_scene(hull.path().string()).bodies[0].def.shape);
   EXPECT_EQ(cube.face_count(), 6u);
   EXPECT_NEAR(cube.volume(), 1, 1e-15);
 }
@@ -161,10 +149,10 @@ TEST(SceneShapes, BadWavefrontFiles) {
       {"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "found no area in triangle 0"},
   };
   for (const auto& bad : cases) {
-    const TemporaryFile obj("bad.obj", bad.text);
+    const Written obj("-bad.obj", bad.text);
     const std::string scene = file_with(R"({"type": "mesh", "file": ")" + obj.name() + "\"}");
-    const TemporaryFile file("bad.json", scene);
-    const std::string message = message_of_shape(scene, file.path());
+    const Written file("-bad.json", scene);
+    const std::string message = message_of_shape(scene, file.path().string());
     EXPECT_NE(message.find("bad.json:3: /bodies/0/shape/file: "), std::string::npos) << message;
     EXPECT_NE(message.find(bad.message), std::string::npos) << message;
   }
