@@ -23,12 +23,43 @@ double worst_penetration(int height, Settings settings, int steps = 60) {
   return worst;
 }
 
+TEST(Stabilisation, SubstepsLowerThePenetrationOfAStack) {
+  for (const Stabilisation stabilisation : all_stabilisations) {
+    double before = 1e9;
+    for (const int substeps : {1, 2, 4, 8}) {
+      const double now = worst_penetration(5, {.substeps = substeps, .stabilisation = stabilisation});
+      EXPECT_LT(now, 0.7 * before) << static_cast<int>(stabilisation) << ", " << substeps << " substeps";
+      before = now;
+    }
+  }
+}
+
+TEST(Stabilisation, IterationsLowerThePenetrationOfAStack) {
+  for (const Stabilisation stabilisation : all_stabilisations) {
+    double before = 1e9;
+    for (const int iterations : {1, 4, 16}) {
+      const double now =
+          worst_penetration(5, {.iterations = iterations, .warm_starting = false, .stabilisation = stabilisation});
+      EXPECT_LT(now, 0.8 * before) << static_cast<int>(stabilisation) << ", " << iterations << " iterations";
+      before = now;
+    }
+  }
+}
+
 TEST(Stabilisation, RelaxIterationsLowerThePenetrationOfAStack) {
   double before = 1e9;
   for (const int relax : {0, 1, 4}) {
     const double now = worst_penetration(5, {.relax_iterations = relax, .warm_starting = false});
     EXPECT_LT(now, before) << relax << " relax iterations";
     before = now;
+  }
+}
+
+TEST(Stabilisation, WarmStartingLowersThePenetrationOfAStackAtEqualSweeps) {
+  for (const Stabilisation stabilisation : all_stabilisations) {
+    const double warm = worst_penetration(10, {.warm_starting = true, .stabilisation = stabilisation});
+    const double cold = worst_penetration(10, {.warm_starting = false, .stabilisation = stabilisation});
+    EXPECT_LT(warm, 0.5 * cold) << static_cast<int>(stabilisation);
   }
 }
 

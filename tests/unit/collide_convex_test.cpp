@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <vector>
@@ -31,6 +32,9 @@ std::set<FeatureId> ids_of(const Manifold& manifold) {
   for (int i = 0; i < manifold.count; ++i) ids.insert(manifold.points[static_cast<std::size_t>(i)].id);
   return ids;
 }
+
+constexpr ShapeKind kinds[] = {ShapeKind::Sphere, ShapeKind::Capsule, ShapeKind::Box,       ShapeKind::Cylinder,
+                               ShapeKind::Cone,   ShapeKind::Hull,    ShapeKind::Ellipsoid, ShapeKind::TaperedCapsule};
 
 // Something at rest, seen from what it lies on.
 struct Rest {
@@ -118,6 +122,23 @@ TEST(CollideConvex, WhatRocksKeepsItsFace) {
       collide(rest.below, rest.above, second, 0.02, manifold);
       ASSERT_EQ(manifold.count, 4) << rest.name << " " << i;
       ASSERT_EQ(ids_of(manifold).size(), 4u) << rest.name;
+    }
+  }
+}
+
+TEST(CollideConvex, PosesThatAreNotFiniteTouchNothing) {
+  Random random(7);
+  Solids solids;
+  for (const ShapeKind first : kinds) {
+    for (const ShapeKind other : kinds) {
+      if (other < first) continue;
+      const Shape a = solids.random(first, random);
+      const Shape b = solids.random(other, random);
+      for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        Manifold manifold;
+        collide(a, b, {Vector3(0, bad, 0), Quaternion::Identity()}, 0.1, manifold);
+        EXPECT_EQ(manifold.count, 0) << static_cast<int>(first) << " " << static_cast<int>(other);
+      }
     }
   }
 }

@@ -1,4 +1,5 @@
-// Every unusable definition of a joint is refused with the field and the value, and changes nothing.
+// Every unusable definition of a joint is refused with the field and the value, and changes nothing; and what is locked
+// is that alone.
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 
 #include "support/bodies.h"
 #include "support/expect_error.h"
+#include "world/make_joint.h"
 
 namespace atl::test::joint_definition_test {
 namespace {
@@ -154,6 +156,28 @@ TEST(JointDefinition, ADistanceNeedsADirection) {
   pair.expect_refused(def, {"JointDef", "DistanceJoint", "coincide"});
   def.frame_first.position = {1, 0, 0};
   EXPECT_NO_THROW(pair.world.add_joint(def));
+}
+
+TEST(JointDefinition, EveryKindWithItsDefaultsIsUsable) {
+  Pair pair;
+  for (const JointKind& kind :
+       {JointKind(BallJoint{}), JointKind(HingeJoint{}), JointKind(SliderJoint{}), JointKind(FixedJoint{}),
+        JointKind(DistanceJoint{}), JointKind(UniversalJoint{}), JointKind(ConeTwistJoint{}), JointKind(SixDofJoint{}),
+        JointKind(GearJoint{}), JointKind(WheelJoint{})}) {
+    EXPECT_NO_THROW(pair.world.add_joint({.kind = kind, .first = pair.crate, .second = pair.other})) << kind.index();
+  }
+}
+
+TEST(JointDefinition, WhatIsLockedHasNeitherSpringNorMotor) {
+  JointAxis axis = sprung(1, 1, 0.5);
+  axis.motor = JointMotor{1, unlimited};
+  axis.range = {0.25, 0.25};
+  const solver::Joint joint = make_joint(JointKind(HingeJoint{axis}));
+  const solver::Law& law = joint.law[2];
+  EXPECT_TRUE(law.locked());
+  EXPECT_EQ(law.lower, 0.25);
+  EXPECT_EQ(law.spring_hertz, 0);
+  EXPECT_EQ(law.motor_force, 0);
 }
 
 }  // namespace

@@ -52,6 +52,35 @@ TEST(MassProperties, OfATetrahedronAreTheClosedForms) {
   expect_near(mass_of(corners), {5, {0.5, 0.75, 1.25}, inertia / 80}, 1e-14);
 }
 
+TEST(MassProperties, MoveAndTurnWithTheSolid) {
+  Random random(1);
+  for (int trial = 0; trial < 50; ++trial) {
+    Cloud cloud;
+    for (int i = 0; i < 30; ++i) cloud.push_back(random.vector(1));
+    const MassProperties original = mass_of(cloud);
+    const Matrix3 turn = random.rotation().toRotationMatrix();
+    const Vector3 shift = random.vector(100);
+    for (Vector3& point : cloud) point = shift + turn * point;
+    const Matrix3 turned = turn * original.unit_inertia * turn.transpose();
+    expect_near(mass_of(cloud), {original.volume, shift + turn * original.centre, turned}, 1e-11);
+  }
+}
+
+TEST(MassProperties, ScaleWithTheSolid) {
+  Random random(2);
+  Cloud cloud;
+  for (int i = 0; i < 30; ++i) cloud.push_back(random.vector(1));
+  const MassProperties original = mass_of(cloud);
+  for (const double factor : {1e-9, 1e-3, 1e6, 1e15}) {
+    Cloud scaled;
+    for (const Vector3& point : cloud) scaled.emplace_back(factor * point);
+    expect_near(
+        mass_of(scaled),
+        {std::pow(factor, 3) * original.volume, factor * original.centre, factor * factor * original.unit_inertia},
+        1e-11);
+  }
+}
+
 // Contacts see no less than a third of this of a body, which so never shows of what is of one density.
 TEST(MassProperties, OfSolidsAreNotLessThanTheirInnerRadiusAllows) {
   Random random(3);

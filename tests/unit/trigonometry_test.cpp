@@ -67,10 +67,24 @@ TEST(SineCosine, KnowsNoTurnsOfWhatHasLostThem) {
   }
 }
 
+TEST(SineCosine, StaysOnTheCircleForHugeAngles) {
+  for (double angle : {1e6, 1e9, 1e12, 1e15}) {
+    const SineCosine result = sine_cosine(angle);
+    EXPECT_NEAR(result.sine * result.sine + result.cosine * result.cosine, 1, 1e-12) << angle;
+  }
+}
+
 void expect_close_arctangent(double y, double x) {
   const long double truth = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
   ASSERT_LE(error_in_ulps(arctangent(y, x), truth), 4) << "arctangent of " << y << ", " << x;
   ASSERT_EQ(std::signbit(arctangent(y, x)), std::signbit(y)) << y << ", " << x;
+}
+
+TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceAllRound) {
+  test::Random random(3);
+  for (int i = 0; i < 200'000 && !HasFatalFailure(); ++i) {
+    expect_close_arctangent(random.real(-1, 1), random.real(-1, 1));
+  }
 }
 
 TEST(Arctangent, IsWithinFourUnitsInTheLastPlaceForAllRatios) {
@@ -125,6 +139,15 @@ TEST(Arctangent, IsNotANumberOfOne) {
   for (const double other : {0.0, -1.0, 1.0, std::numeric_limits<double>::infinity(), nan}) {
     EXPECT_TRUE(std::isnan(arctangent(nan, other))) << other;
     EXPECT_TRUE(std::isnan(arctangent(other, nan))) << other;
+  }
+}
+
+TEST(Arctangent, UndoesSineAndCosine) {
+  test::Random random(6);
+  for (int i = 0; i < 10'000; ++i) {
+    const double angle = random.real(-std::numbers::pi, std::numbers::pi);
+    const SineCosine direction = sine_cosine(angle);
+    EXPECT_NEAR(arctangent(direction.sine, direction.cosine), angle, 2e-15);
   }
 }
 

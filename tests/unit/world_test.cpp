@@ -161,6 +161,18 @@ TEST(World, UnusableStateIsRefusedAndChangesNothing) {
   EXPECT_EQ(world.state_hash(), hash);
 }
 
+TEST(World, MoveTakesTheBodiesAlong) {
+  World world;
+  const BodyId id = world.add_body(sphere({0, 0, 5}));
+  World moved = std::move(world);
+  EXPECT_EQ(moved.pose(id).position, Vector3(0, 0, 5));
+  World other;
+  other = std::move(moved);
+  EXPECT_EQ(other.body_count(), 1u);
+  other.step(dt);
+  EXPECT_LT(other.pose(id).position.z(), 5);
+}
+
 // A pair that was found apart is left alone until something moves. Turning by hand is moving.
 TEST(World, TurningARestingBodyByHandIntoAnotherIsSeen) {
   World world({.gravity = Vector3::Zero(), .settings = {.contact_events = true}});
