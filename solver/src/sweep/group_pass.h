@@ -13,6 +13,13 @@
 
 namespace atl::solver {
 
+// Sets how surfaces that bend move in a sweep: their speeds at `at` substeps into the step, their positions at `after`.
+inline void rise(const GroupSetup& setup, double at, double after, Sweep& how) {
+  const double substeps = setup.settings.substeps;
+  how.rise_part = static_cast<float>(2 * at / substeps - 1);
+  how.rise_time = static_cast<float>(after / substeps * (after / substeps - 1) * setup.input.dt);
+}
+
 template <typename Executor>
 class GroupPass {
  public:
@@ -48,7 +55,6 @@ class GroupPass {
   void finish_contacts();
 
   void sweep(Sweep how, JointSweep joints, int iterations, int number);
-  void rise(Sweep& how, double at, double after) const;
 
   GroupParts& parts_;
   const GroupSetup& setup_;
@@ -247,7 +253,7 @@ void GroupPass<Executor>::solve_velocities(int number, bool carries) {
   const bool refresh = !setup_.relaxes && number > 0;
   const bool twice = !(setup_.relaxes && carries);
   Sweep how = {setup_.splits ? Push::None : Push::Bias, refresh, friction, twice};
-  rise(how, number + 0.5, number);
+  rise(setup_, number + 0.5, number, how);
   sweep(how, {.push = how.push, .refresh = refresh, .carries = carries}, setup_.settings.iterations, number);
   if (setup_.splits) split_off_corrections(number);
   // The systems come last, so that a link turned by its contacts is brought back before it gets far out of its joints.
@@ -292,7 +298,7 @@ void GroupPass<Executor>::relax(int number) {
   loops_.each_system([&](DirectJoints& system) { system.solve_positions(setup_.input, number, parts_.bodies); });
   if (setup_.relaxes) {
     Sweep how = {.push = Push::None, .refresh = true, .friction = setup_.friction, .relaxes = true};
-    rise(how, number + 1, number + 1);
+    rise(setup_, number + 1, number + 1, how);
     sweep(how, {.refresh = true, .moved = true}, setup_.settings.relax_iterations, number);
   }
   bound_joints(number, 0);
@@ -383,14 +389,6 @@ void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, in
     how.friction = setup_.friction;
     how.twice = true;
   }
-}
-
-// Sets how surfaces that bend move in a sweep: their speeds at `at` substeps into the step, their positions at `after`.
-template <typename Executor>
-void GroupPass<Executor>::rise(Sweep& how, double at, double after) const {
-  const double substeps = setup_.settings.substeps;
-  how.rise_part = static_cast<float>(2 * at / substeps - 1);
-  how.rise_time = static_cast<float>(after / substeps * (after / substeps - 1) * setup_.input.dt);
 }
 
 }  // namespace atl::solver
