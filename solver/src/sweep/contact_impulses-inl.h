@@ -91,20 +91,20 @@ inline void warm_start(const ContactKernelData& data, std::size_t begin, std::si
   warm_start_by<MovableSides::Locked>(data, begin, end);
 }
 
-HWY_INLINE bool any_struck(const ContactBlock& block, const std::uint8_t* struck) {
-  unsigned any = 0;
-  for (std::size_t lane = 0; lane < block_lanes; ++lane) any |= struck[block.first[lane]] | struck[block.second[lane]];
-  return any != 0;
-}
-
 // Scaled by s, a contact's impulses do work linear s against the free motion, and half of `gained` s^2 against what all
-// impulses change it by.
+// impulses change it by. Contacts of bodies that were not struck keep theirs, whatever shares the block.
 inline float find_fitting(const ContactKernelData& data, const std::uint8_t* struck, FittingBlock* fitting,
                           std::size_t begin, std::size_t end) {
   V least = splat(1);
   for (std::size_t b = begin; b < end; ++b) {
     const ContactBlock& block = data.blocks[b];
-    fitting[b].any = any_struck(block, struck);
+    alignas(64) float of_struck[block_lanes];
+    fitting[b].any = false;
+    for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+      const bool any = struck[block.first[lane]] != 0 || struck[block.second[lane]] != 0;
+      of_struck[lane] = any ? 1.0f : 0.0f;
+      fitting[b].any |= any;
+    }
     if (!fitting[b].any) continue;
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       const ContactLanes<> c = load_contacts<>(data, block, lane);
@@ -125,7 +125,8 @@ inline float find_fitting(const ContactKernelData& data, const std::uint8_t* str
       const V linear =
           hn::Add(carried.work_at_start(block, surface, lane), hn::Add(dot(push, velocity), dot(twist, spin)));
       const V gained = hn::Add(dot(push, gained_velocity(c) - velocity), dot(twist, gained_spin(c) - spin));
-      const M costs = hn::And(hn::Gt(gained, zero()), hn::Gt(hn::Add(linear, hn::Mul(splat(0.5f), gained)), zero()));
+      const M positive = hn::And(hn::Gt(gained, zero()), hn::Gt(load(of_struck + lane), zero()));
+      const M costs = hn::And(positive, hn::Gt(hn::Add(linear, hn::Mul(splat(0.5f), gained)), zero()));
       const V best = hn::Div(hn::Neg(linear), hn::IfThenElse(costs, gained, splat(1)));
       const V scale = hn::IfThenElse(costs, hn::Max(hn::Min(best, splat(1)), zero()), splat(1));
       store(scale, fitting[b].scale + lane);
