@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/bodies.h"
+#include "support/random.h"
 #include "support/scene_run.h"
 
 namespace atl::test::independence_test {
@@ -116,6 +118,37 @@ TEST(Independence, ABeltAndARollingBallFarAwayChangeNoBitOfOthers) {
       return places;
     };
     EXPECT_EQ(trail(true), trail(false)) << static_cast<int>(stabilisation);
+  }
+}
+
+// Contacts of several islands share lanes, and what is struck is looked at again: none but its own contacts.
+TEST(Independence, HeapsThatAreStruckChangeNoBitOfOthers) {
+  const auto add_heap = [](World& world, double x, std::uint32_t seed) {
+    Random random(seed);
+    std::vector<BodyId> ids;
+    for (int i = 0; i < 6; ++i) {
+      const double size = random.real(0.2, 0.5);
+      BodyDef body = random.chance(0.5) ? sphere({}, size) : box({}, Vector3::Constant(size));
+      body.position = {x + random.real(-0.2, 0.2), random.real(-0.2, 0.2), 0.6 + 1.1 * i};
+      body.density = random.magnitude(1e3, 1e6);
+      ids.push_back(world.add_body(body));
+    }
+    return ids;
+  };
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    World alone, among_others;
+    alone.add_body(ground());
+    among_others.add_body(ground());
+    const std::vector<BodyId> expected = add_heap(alone, 0, seed), ids = add_heap(among_others, 0, seed);
+    for (std::uint32_t i = 1; i < 9; ++i) add_heap(among_others, 30 * i, 100 * seed + i);
+    for (int i = 0; i < 240; ++i) {
+      alone.step(dt);
+      among_others.step(dt);
+    }
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      EXPECT_EQ(among_others.pose(ids[i]).position, alone.pose(expected[i]).position) << "seed " << seed;
+      EXPECT_EQ(among_others.velocity(ids[i]), alone.velocity(expected[i])) << "seed " << seed;
+    }
   }
 }
 

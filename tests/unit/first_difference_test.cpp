@@ -57,9 +57,12 @@ TEST(FirstDifference, AFlippedBitIsFoundInItsStepAndBody) {
 // Settings are no body's, and change what a step comes to only once there is something to solve.
 TEST(FirstDifference, OtherSettingsShowInTheSolve) {
   const TemporaryFile plain(".a.recording"), other(".b.recording");
-  record(plain, 100, {});
-  record(other, 100, {}, [](World& world, std::int64_t step) {
-    if (step == 50) world.set_settings({.iterations = 3});
+  const Settings swept = {.contact_solver = ContactSolver::Iterative};
+  record(plain, 100, {.settings = swept});
+  record(other, 100, {.settings = swept}, [&](World& world, std::int64_t step) {
+    Settings more = swept;
+    more.iterations = 3;
+    if (step == 50) world.set_settings(more);
   });
   const FirstDifferenceResult found = find_first_difference(plain.path(), other.path());
   ASSERT_TRUE(found.difference.has_value());

@@ -101,7 +101,7 @@ inline float find_fitting(const ContactKernelData& data, const std::uint8_t* str
     alignas(64) float of_struck[block_lanes];
     fitting[b].any = false;
     for (std::size_t lane = 0; lane < block_lanes; ++lane) {
-      const bool any = struck[block.first[lane]] != 0 || struck[block.second[lane]] != 0;
+      const bool any = (struck[block.first[lane]] | struck[block.second[lane]]) == 1;
       of_struck[lane] = any ? 1.0f : 0.0f;
       fitting[b].any |= any;
     }

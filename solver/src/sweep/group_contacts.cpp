@@ -176,7 +176,8 @@ void GroupContacts::begin_fitting(std::size_t body_count) {
   if (fitting_.size() < block_count()) fitting_.resize(block_count());
 }
 
-bool GroupContacts::find_struck(const SolverBodies& bodies, float speed, std::size_t begin, std::size_t end) {
+bool GroupContacts::find_struck(const SolverBodies& bodies, std::span<const std::uint8_t> joined, float speed,
+                                std::size_t begin, std::size_t end) {
   unsigned any = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const float* const now = bodies.velocity[i].linear;
@@ -184,6 +185,7 @@ bool GroupContacts::find_struck(const SolverBodies& bodies, float speed, std::si
     const float x = now[0] - free[0], y = now[1] - free[1], z = now[2] - free[2];
     struck_[i] = x * x + y * y + z * z > speed * speed;
     any |= struck_[i];
+    if (i < joined.size() && joined[i] != 0) struck_[i] = 2;
   }
   return any != 0;
 }

@@ -220,14 +220,15 @@ void GroupPass<Executor>::warm_start(int number) {
   if (setup_.sweeps_joints && parts_.joints.may_bounce()) record_joint_impacts();
 }
 
-// Impulses that are carried over fit what a substep needs, but where the one before had an impact.
+// Impulses that are carried over fit what a substep needs, but where the one before had an impact. Without gravity
+// there is no load that an impact would be told from, and all are kept.
 template <typename Executor>
 void GroupPass<Executor>::fit_impulses() {
-  if (setup_.block_count == 0) return;
+  if (setup_.block_count == 0 || setup_.struck_speed == 0) return;
   LargestOf struck;
   parts_.contacts.begin_fitting(parts_.bodies.padded_count());
   loops_.each_body_block([&](std::size_t begin, std::size_t end) {
-    if (parts_.contacts.find_struck(parts_.bodies, setup_.struck_speed, begin, end)) struck.add(1);
+    if (parts_.contacts.find_struck(parts_.bodies, parts_.joined, setup_.struck_speed, begin, end)) struck.add(1);
   });
   if (struck.value() == 0) return;
   for (int round = 0; round < tuning::fitting_rounds; ++round) {

@@ -45,8 +45,13 @@ class GroupContacts {
 
   void begin_fitting(std::size_t body_count);
   /// Finds the bodies whose velocity carried impulses change by more than `speed`, m/s. Returns whether there are any.
-  bool find_struck(const SolverBodies& bodies, float speed, std::size_t begin, std::size_t end);
-  const std::uint8_t* struck() const { return struck_.data(); }  ///< 1, by index into SolverBodies
+  /// `joined` as in ContactKernelData, or empty: contacts of joined bodies are in balance with what joints carry over,
+  /// and keep theirs.
+  bool find_struck(const SolverBodies& bodies, std::span<const std::uint8_t> joined, float speed, std::size_t begin,
+                   std::size_t end);
+  const std::uint8_t* struck() const {
+    return struck_.data();
+  }  ///< by index into SolverBodies: 1, or 2 if it is joined
   FittingBlock* fitting() { return fitting_.data(); }
 
   /// See jobs/arrays.h.

@@ -94,8 +94,8 @@ struct Kernels {
   void (*prepare)(const ContactKernelData& data, std::size_t begin, std::size_t end);
   /// Applies the accumulated impulses.
   void (*warm_start)(const ContactKernelData& data, std::size_t begin, std::size_t end);
-  /// Once impulses have been applied, finds by how much those of contacts at `struck` bodies (1, by index into
-  /// SolverBodies) are to be scaled: see FittingBlock. Returns the least scale.
+  /// Once impulses have been applied, finds by how much those of contacts at `struck` bodies (1, or 2 if they are
+  /// joined; by index into SolverBodies) are to be scaled: see FittingBlock. Returns the least scale.
   float (*find_fitting)(const ContactKernelData& data, const std::uint8_t* struck, FittingBlock* fitting,
                         std::size_t begin, std::size_t end);
   /// Takes back what such scales leave of impulses and velocities.
