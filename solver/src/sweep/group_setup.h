@@ -4,6 +4,7 @@
 #include <solver/direct/direct_joints.h>
 #include <solver/sweep/group_parts.h>
 #include <solver/sweep/group_report.h>
+#include <solver/tuning.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +31,7 @@ struct GroupSetup {
         sweeps_tendons(with_joints && !parts.tendons.empty()),
         bounds_joints(sweeps_joints && relaxes),
         watches_energy(sweeps_joints || block_count > 0),
-        struck_speed(of.dt * static_cast<float>(of.gravity.norm())),
+        struck_speed(static_cast<float>(tuning::struck_falls) * of_substeps.h * of_substeps.gravity),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
@@ -52,7 +53,7 @@ struct GroupSetup {
   const bool sweeps_tendons;                      // between these
   const bool bounds_joints;                       // whose velocities end a substep without what pushes
   const bool watches_energy;                      // of islands that only hold, over the step
-  const float struck_speed;                       // m/s, a change by more than gravity makes in the step
+  const float struck_speed;                       // m/s, a change by more than a load makes
   const Friction friction;
   const JointStep joint_step;
   const ContactKernelData contact_data;
