@@ -6,6 +6,7 @@
 #include <solver/sweep/group_report.h>
 #include <solver/tuning.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -31,7 +32,8 @@ struct GroupSetup {
         sweeps_tendons(with_joints && !parts.tendons.empty()),
         bounds_joints(sweeps_joints && relaxes),
         watches_energy(sweeps_joints || block_count > 0),
-        struck_speed(static_cast<float>(tuning::struck_falls) * of_substeps.h * of_substeps.gravity),
+        struck_speed(of_substeps.gravity *
+                     static_cast<float>(std::max(of.dt, tuning::struck_substeps * of_substeps.h))),
         friction(!report.friction   ? Friction::None
                  : settings.pyramid ? Friction::Pyramid
                                     : Friction::Cone),
