@@ -43,7 +43,7 @@ HWY_INLINE V zero() { return hn::Zero(D()); }
 HWY_INLINE V load(const float* from) { return hn::Load(D(), from); }
 HWY_INLINE void store(V value, float* to) { hn::Store(value, D(), to); }
 
-// Of floats or doubles.
+// Vectors in lanes, of floats or doubles.
 template <typename Lane>
 struct Vector3Lanes {
   Lane x, y, z;

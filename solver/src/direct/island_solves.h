@@ -20,7 +20,7 @@ bool solve_step(const SolveInput& input, const std::vector<MovingBody>& bodies, 
 bool solve_substeps(const SolveInput& input, const IslandMembers& members, std::vector<MovingBody>& bodies,
                     IslandMotions& motions);
 
-// What an island hands on that was solved at once, to manifolds, load reports and the error audit.
+// Results of an island that was solved at once, handed on to manifolds, load reports and the error audit.
 
 /// Writes the impulses of contacts to their manifolds. `share`: what a substep has of those that were solved for.
 void write_back_contacts(const SolveInput& input, double share, const std::vector<DirectContact>& contacts);

@@ -183,9 +183,9 @@ bool GroupContacts::find_struck(const SolverBodies& bodies, std::span<const std:
     const float* const now = bodies.velocity[i].linear;
     const float* const free = bodies.free_velocity[i].linear;
     const float x = now[0] - free[0], y = now[1] - free[1], z = now[2] - free[2];
-    struck_[i] = x * x + y * y + z * z > speed * speed;
-    any |= struck_[i];
-    if (i < joined.size() && joined[i] != 0) struck_[i] = 2;
+    const bool is_joined = i < joined.size() && joined[i] != 0;
+    struck_[i] = is_joined ? 2 : x * x + y * y + z * z > speed * speed;
+    any |= struck_[i] & 1u;
   }
   return any != 0;
 }

@@ -44,14 +44,13 @@ class GroupContacts {
   // Carried impulses after an impact: see FittingBlock.
 
   void begin_fitting(std::size_t body_count);
-  /// Finds the bodies whose velocity carried impulses change by more than `speed`, m/s. Returns whether there are any.
-  /// `joined` as in ContactKernelData, or empty: contacts of joined bodies are in balance with what joints carry over,
-  /// and keep theirs.
+  /// Finds the bodies without joints whose velocity carried impulses change by more than `speed`, m/s. Returns whether
+  /// there are any. `joined` as in ContactKernelData, or empty: contacts of joined bodies are in balance with what
+  /// joints carry over, and keep theirs.
   bool find_struck(const SolverBodies& bodies, std::span<const std::uint8_t> joined, float speed, std::size_t begin,
                    std::size_t end);
-  const std::uint8_t* struck() const {
-    return struck_.data();
-  }  ///< by index into SolverBodies: 1, or 2 if it is joined
+  /// By index into SolverBodies: 1, or 2 if it is joined.
+  const std::uint8_t* struck() const { return struck_.data(); }
   FittingBlock* fitting() { return fitting_.data(); }
 
   /// See jobs/arrays.h.
