@@ -67,5 +67,66 @@ TEST(HeavyChain, ThatIsLightAtItsEndLosesSomeEnergy) {
   EXPECT_LT(worst.energy, 0.2);
 }
 
+// Planks, a joint every .5 m between them, that exactly span two posts, with a load at the middle.
+Scene taut_bridge(int planks, double mass, bool by_twos) {
+  Scene scene;
+  const CollisionFilter none = {.mask = 0};
+  const auto add = [&](const BodyDef& def) {
+    scene.bodies.push_back({.def = def});
+    return scene.bodies.size() - 1;
+  };
+  const auto add_post = [&](double x) {
+    return add({.type = BodyType::Static, .shape = Sphere{0.1}, .position = {x, 0, 0}, .filter = none});
+  };
+  const auto pin_at = [&](std::size_t first, std::size_t second, const Vector3& point) {
+    JointDef def{.kind = BallJoint{}};
+    def.frame_first.position = point - scene.bodies[first].def.position;
+    def.frame_second.position = point - scene.bodies[second].def.position;
+    scene.joints.push_back({.def = def, .first = first, .second = second});
+  };
+  const auto pin = [&](std::size_t first, std::size_t second, double x) {
+    if (!by_twos) return pin_at(first, second, {x, 0, 0});
+    for (const double y : {-0.4, 0.4}) pin_at(first, second, {x, y, 0});
+  };
+  std::size_t before = add_post(0);
+  const std::size_t middle = before + 1 + static_cast<std::size_t>(planks) / 2;
+  for (int i = 0; i < planks; ++i) {
+    const double x = 0.25 + 0.5 * i;
+    const std::size_t plank = add({.shape = Box{{0.25, 0.5, 0.05}}, .position = {x, 0, 0}, .mass = 25, .filter = none});
+    pin(before, plank, 0.5 * i);
+    before = plank;
+  }
+  pin(before, add_post(0.5 * planks), 0.5 * planks);
+  const Vector3 hangs = scene.bodies[middle].def.position;
+  const std::size_t load =
+      add({.shape = Sphere{0.5}, .position = hangs - Vector3::UnitZ(), .mass = mass, .filter = none});
+  pin_at(middle, load, hangs);
+  return scene;
+}
+
+// It can't give way: no motion closes its joints but one that lifts the load, and light planks would rather turn far.
+TEST(HeavyChain, ThatJustSpansItsPostsStaysTaut) {
+  for (const bool by_twos : {false, true}) {
+    for (const double mass : {25.0, 5e3, 1e6}) {
+      for (const int substeps : {1, 4, 8}) {
+        Scene scene = taut_bridge(60, mass, by_twos);
+        scene.settings.substeps = substeps;
+        JoinedRun run(scene);
+        const double start = run.energy();
+        double gap = 0, gained = 0;
+        for (int i = 0; i < 120; ++i) {
+          run.world.step(dt);
+          gap = std::max(gap, run.drift().max);
+          gained = std::max(gained, run.energy() - start);
+        }
+        const std::string of = std::to_string(mass) + " kg, " + std::to_string(substeps) + " substeps, by " +
+                               (by_twos ? "two joints" : "one joint");
+        EXPECT_LT(gap, 5e-4) << of;
+        EXPECT_LT(gained, 1e-5 * mass * g) << of;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace atl::test

@@ -305,9 +305,6 @@ inline constexpr int max_penetration_rounds = 8;
 
 // --- At once: substeps of islands with joints
 
-/// Part of a body's inertia by which tension may stiffen it before the matrix is filled again. Without, boxes of 100
-/// times a plank's weight are thrown off a bridge.
-inline constexpr double notable_stiffness = 0.1;
 /// m/s: contact points that part or close faster are left to the next substep's solve.
 inline constexpr double resting_speed = 1e-3;
 /// Newton steps that close joints in a substep's motion, and how often each may be shortened to a quarter. One step is

@@ -129,6 +129,12 @@ void DirectJoint::rates_by(const double* velocities, double* rates) const {
   }
 }
 
+Vector3 DirectJoint::linear_impulse(const Rows<double>& impulses) const {
+  Vector3 sum = point ? linear(impulses.data()) : Vector3(0, 0, 0);
+  for (std::size_t r = point_rows(); r < rows; ++r) sum += impulses[r] * at[r].linear;
+  return sum;
+}
+
 void DirectJoint::add_impulses(const double* impulses, double* momenta) const {
   if (is_tendon()) {
     for (const PulledBody& body : pulled()) {

@@ -121,46 +121,59 @@ void follow_coordinates(const std::vector<double>& direction, double share, std:
   }
 }
 
+// Takes the impulses of a substep for those of a closing motion.
+void close_as_pulled(double h, std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.closing[r] = h * joint.lasting[r];
+  }
+}
+
+void add_closing_impulses(double scale, std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    for (std::size_t r = 0; r < joint.rows; ++r) joint.lasting[r] += scale * joint.closing[r];
+  }
+}
+
 }  // namespace
 
 // By Newton's method: by one step along the rows of the substep's start, and where gaps are left, along rows that
-// follow. Under what presses on joints, where that is not near, along rows that follow alone: there a taut chain of
-// light links would rather turn them far than move what it pulls on; what holds it straight is the stiffness of its
-// tension.
+// follow, with the curvature of gaps. Under what presses on joints, where that is not near, along rows that follow
+// alone; what pulled on them in the substep is then the first guess of what closes them.
 void close_joints(const SolveInput& input, double time, double h, std::vector<MovingBody>& bodies,
                   IslandMotions& motions) {
   IslandProblem& problem = motions.problem;
   const bool has_contacts = !problem.contacts.empty();
-  const auto closed = [](const DirectJoint& joint, std::size_t r) { return joint.gap[r]; };
   const IslandPoses poses{input.bodies, bodies, time};
   double max = update_gaps(input.joints, poses, problem.joints);
-  bool tightens = has_contacts && follow_tension(problem, h);
+  double share = 1;
   for (int round = 0; round == 0 || (max > tuning::open_gap && round < tuning::max_closing_steps); ++round) {
-    if (round > 0 || (has_contacts && (max > tuning::open_gap || tightens))) {
-      tightens = false;
+    if (round > 0 || (has_contacts && max > tuning::open_gap)) {
       place_joints(input, time, h, bodies, problem);
+      if (round == 0) close_as_pulled(h, problem.joints);
+      add_closing_stiffness(problem);
       if (motions.search.matrix.joints() == nullptr) weigh_locks(input.joints, problem);
       if (!motions.search.matrix.factor(problem)) return;
     } else if (!has_contacts && !is_factored(problem) && !motions.search.matrix.factor(problem)) {
       return;
     }
-    find_closing_motion(problem, motions.search, closed);
+    find_closing_motion(problem, motions.search, [](const DirectJoint& joint, std::size_t r) { return joint.gap[r]; });
+    find_closing_impulses(problem, motions.search);
     // A small gap that closes by short moves needs no line search: Newton's step leaves less.
     const double longest = longest_move(motions.search.direction);
     const bool near = max <= tuning::open_gap && longest * longest <= tuning::open_gap;
-    const double share = near ? 1 : move_closer(input, time, max, bodies, motions);
+    const double share_before = share;
+    share = near ? 1 : move_closer(input, time, max, bodies, motions);
     if (near) move(bodies, 1, motions.search.direction);
-    if (share == 0) break;
+    // One that can't be shortened enough has told how gaps curve.
+    if (share == 0 && share_before == 0) break;
     follow_coordinates(motions.search.direction, share, problem.joints);
-    if (has_contacts || round == 0) {
-      const bool gains = motions.pushes || gain_by_closing(input.joints, bodies, share / h, motions);
-      if (gains) add_closing_impulses(problem, motions.search, closed, share / h);
+    if (motions.pushes || gain_by_closing(input.joints, bodies, share / h, motions)) {
+      add_closing_impulses(share / h, problem.joints);
     }
-    if (has_contacts) follow_tension(problem, h);
     if (near) break;
     max = update_gaps(input.joints, poses, problem.joints);
   }
-  if (!has_contacts) follow_tension(problem, h);
+  follow_tension(problem, h);
 }
 
 bool settle_joints(const SolveInput& input, std::vector<MovingBody>& bodies, IslandMotions& motions) {
@@ -170,7 +183,12 @@ bool settle_joints(const SolveInput& input, std::vector<MovingBody>& bodies, Isl
   find_closing_motion(motions.problem, motions.search,
                       [](const DirectJoint& joint, std::size_t r) { return joint.law[r].locked ? joint.gap[r] : 0; });
   if (longest_move(motions.search.direction) > tuning::far_at_rest) return false;
+  for (MovingBody& body : bodies) body.before = body.now;
   move(bodies, 1, motions.search.direction);
+  if (widest_gap(input.joints, motions.problem.joints, poses) > max) {
+    for (MovingBody& body : bodies) body.now = body.before;
+    return false;
+  }
   turn_inertia(bodies);
   follow_coordinates(motions.search.direction, 1, motions.problem.joints);
   return max <= tuning::open_gap;

@@ -381,24 +381,11 @@ void hold_rows(const Joint* joints, bool late, IslandProblem& problem) {
   }
 }
 
-bool follow_tension(IslandProblem& problem, double h) {
-  bool tightens = false;
+void follow_tension(IslandProblem& problem, double h) {
   for (DirectJoint& joint : problem.joints) {
-    Vector3 force = Vector3::Zero();
-    std::size_t r = joint.point_rows();
-    if (r > 0) force = Eigen::Map<const Vector3>(joint.lasting.data());
-    for (; r < joint.rows; ++r) force += joint.lasting[r] * joint.at[r].linear;
-    force /= h;
-    const bool grows = !problem.contacts.empty() && force.squaredNorm() > joint.tension.squaredNorm();
-    const Vector3 change = (grows ? 1 : tuning::tension_smoothing) * (force - joint.tension);
-    joint.tension += change;
-    const auto turns = [&](std::uint32_t body, const Vector3& arm) {
-      if (body == no_body) return false;
-      return h * h * change.norm() * arm.norm() > tuning::notable_stiffness * problem.bodies[body].inertia.trace();
-    };
-    tightens |= grows && (turns(joint.first, joint.arm_first) || turns(joint.second, joint.arm_second));
+    const Vector3 force = joint.linear_impulse(joint.lasting) / h;
+    joint.tension += tuning::tension_smoothing * (force - joint.tension);
   }
-  return tightens;
 }
 
 void write_back_joints(const SolveInput& input, const std::vector<DirectJoint>& joints) {

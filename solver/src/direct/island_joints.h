@@ -59,9 +59,8 @@ void hold_rows(const Joint* joints, bool late, IslandProblem& problem);
 /// Notes the rates of armatures at these velocities.
 void record_armature_rates(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all);
 
-/// Takes on the force of the last impulses, of h seconds: smoothly, but where something presses on joints at once if it
-/// grows. Returns whether it is far from what bodies' inertia has of it.
-bool follow_tension(IslandProblem& problem, double h);
+/// Takes on the force of the last impulses, of h seconds, smoothly.
+void follow_tension(IslandProblem& problem, double h);
 
 /// Writes impulses, forces and what holds to the joints.
 void write_back_joints(const SolveInput& input, const std::vector<DirectJoint>& joints);

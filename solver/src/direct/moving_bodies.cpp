@@ -22,6 +22,21 @@ double approach_speed(const BodyTable& table, const IslandMembers& members, std:
   return max;
 }
 
+// Adds to inertia how bodies that joints pull on resist turning. `pull`: on the second body of a joint.
+template <typename Pull>
+void add_arm_stiffness(IslandProblem& problem, double scale, const Pull& pull) {
+  for (const DirectJoint& joint : problem.joints) {
+    const Vector3 on_second = pull(joint);
+    const auto add = [&](std::uint32_t body, const Vector3& arm, const Vector3& force) {
+      if (body == no_body || !(arm.dot(force) > 0)) return;
+      add_scaled(problem.bodies[body].inertia, scale, arm_stiffness(arm, force));
+    };
+    add(joint.first, joint.arm_first, -on_second);
+    add(joint.second, joint.arm_second, on_second);
+  }
+  for (DirectBody& body : problem.bodies) body.inverse_inertia = symmetric_inverse(body.inertia);
+}
+
 }  // namespace
 
 bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandProblem& problem,
@@ -72,15 +87,11 @@ void turn_inertia(std::span<MovingBody> bodies) {
 void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double h) {
   turn_inertia(bodies);
   for (std::size_t i = 0; i < bodies.size(); ++i) problem.bodies[i].inertia = bodies[i].inertia;
-  for (const DirectJoint& joint : problem.joints) {
-    const auto add = [&](std::uint32_t body, const Vector3& arm, const Vector3& force) {
-      if (body == no_body || !(arm.dot(force) > 0)) return;
-      add_scaled(problem.bodies[body].inertia, h * h, arm_stiffness(arm, force));
-    };
-    add(joint.first, joint.arm_first, -joint.tension);
-    add(joint.second, joint.arm_second, joint.tension);
-  }
-  for (DirectBody& body : problem.bodies) body.inverse_inertia = symmetric_inverse(body.inertia);
+  add_arm_stiffness(problem, h * h, [](const DirectJoint& joint) { return joint.tension; });
+}
+
+void add_closing_stiffness(IslandProblem& problem) {
+  add_arm_stiffness(problem, 1, [](const DirectJoint& joint) { return joint.linear_impulse(joint.closing); });
 }
 
 void move(std::span<MovingBody> bodies, double share, const std::vector<double>& by) {

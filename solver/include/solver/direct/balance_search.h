@@ -76,25 +76,8 @@ void find_closing_motion(const IslandProblem& problem, BalanceSearch& search, co
   search.matrix.solve(problem, search.direction);
 }
 
-/// Adds the impulses of that motion to those that bodies keep, times `scale`.
-template <typename Gap>
-void add_closing_impulses(IslandProblem& problem, const BalanceSearch& search, const Gap& gap, double scale) {
-  if (search.matrix.joints() != nullptr) {
-    const double* impulse = search.impulses.data();
-    for (DirectJoint& joint : problem.joints) {
-      for (std::size_t r = 0; r < joint.rows; ++r) joint.lasting[r] += scale * *impulse++;
-    }
-    return;
-  }
-  for (DirectJoint& joint : problem.joints) {
-    DirectJoint::Rows<double> rates;
-    joint.rates_by(search.direction.data(), rates.data());
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      const double apart = gap(joint, r);
-      if (apart != 0) joint.lasting[r] -= scale * joint.law[r].slope(joint.rate[r]) * (apart + rates[r]);
-    }
-  }
-}
+/// Finds the impulses of that motion, of gaps that are the joints'.
+void find_closing_impulses(IslandProblem& problem, const BalanceSearch& search);
 
 /// Down the gradient, by the factor that there is, with what that changes at contacts and joints.
 void find_direction(IslandProblem& problem, BalanceSearch& search);

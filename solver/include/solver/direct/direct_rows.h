@@ -123,6 +123,7 @@ struct DirectJoint {
   Rows<double> change;     ///< along its search direction
   Rows<double> impulse;    ///< N s or N m s
   Rows<double> lasting;    ///< of the velocities which bodies keep
+  Rows<double> closing;    ///< kg m or kg m^2, of the motion that closes gaps
   Rows<std::uint8_t> factored;
   Rows<std::int8_t> limit, motor_bound, friction_bound;  ///< see Joint
   Rows<bool> bounces;                                    ///< at that end, in this substep
@@ -143,6 +144,8 @@ struct DirectJoint {
   double rate_by(const std::vector<double>& velocities, std::size_t row, double start = 0) const;
   /// The rates of all rows at these velocities, of bodies that respond.
   void rates_by(const double* velocities, double* rates) const;
+  /// The part of impulses along all rows, on the second body, that moves it.
+  Vector3 linear_impulse(const Rows<double>& impulses) const;
   /// Adds impulses along all rows, on the second body, to the momenta of both.
   void add_impulses(const double* impulses, double* momenta) const;
 };
