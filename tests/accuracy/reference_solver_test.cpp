@@ -6,7 +6,7 @@
 #include <atoll/errors.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -111,7 +111,7 @@ Eigen::VectorXd enumerate(const reference::ContactRows& rows) {
     if (!active.empty()) {
       const Eigen::MatrixXd w_active = w(active, active);
       const Eigen::VectorXd b_active = b(active);
-      const Eigen::VectorXd r_active = w_active.completeOrthogonalDecomposition().solve(-b_active);
+      const Eigen::VectorXd r_active = w_active.ldlt().solve(-b_active);
       r(active) = r_active;
     }
     const Eigen::VectorXd u = w * r + b;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "support/bodies.h"
+#include "support/min_turn.h"
 
 namespace atl::test {
 namespace {
@@ -21,7 +22,7 @@ double rate_after_a_turn(ContactSolver solver, double radius, double half_height
   const Vector3 spin(-rate / std::tan(lean), 0, 0);
   const BodyId cone = world.add_body({.shape = Cone{radius, half_height},
                                       .position = half_height * axis,
-                                      .orientation = Quaternion::FromTwoVectors(Vector3::UnitZ(), -axis),
+                                      .orientation = min_turn(Vector3::UnitZ(), -axis),
                                       .velocity = spin.cross(1.5 * half_height * axis),
                                       .angular_velocity = spin,
                                       .material = {.friction = 5}});

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/bodies.h"
+#include "support/min_turn.h"
 
 namespace atl::test::smooth_solids_test {
 namespace {
@@ -209,7 +210,7 @@ TEST(SmoothSolids, TaperedCapsulesRollAboutTheirApex) {
       // From the apex, at the origin, the axis leads up along x by the angle s, to the larger ball first.
       const Vector3 axis(std::cos(s), 0, std::sin(s));
       const Vector3 middle = (0.2 / std::sin(s)) * axis;
-      const Quaternion turn(Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), -axis));
+      const Quaternion turn(min_turn(Vector3::UnitZ(), -axis));
       const Vector3 about(spin, 0, 0);
       const double centre = mass_properties(shape).centre.z();
       const BodyId body = world.add_body({.shape = shape,

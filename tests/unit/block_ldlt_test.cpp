@@ -5,7 +5,6 @@
 #include <solver/direct/block_ldlt.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -105,13 +104,14 @@ TEST(BlockLdlt, KeepsDefinitenessOfBadlyConditionedBlocks) {
     // A = L D L^T from blocks of L below 1 and of D with eigenvalues from 1 to 1e-12.
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(rows, rows);
     for (std::uint32_t i = 0; i < count; ++i) {
-      const Eigen::MatrixXd turn = any().householderQr().householderQ();
+      const Eigen::VectorXd along = any().col(0).normalized();
+      const Eigen::MatrixXd mirror = Eigen::MatrixXd::Identity(size, size) - 2 * along * along.transpose();
       Eigen::VectorXd spread(size);
       for (Eigen::Index k = 0; k < size; ++k) spread[k] = std::pow(10.0, -12.0 * static_cast<double>(k) / (size - 1));
       Eigen::MatrixXd strip = Eigen::MatrixXd::Zero(rows, size);
       strip.middleRows(i * size, size).setIdentity();
       if (i + 1 < count) strip.middleRows((i + 1) * size, size) = any() / size;
-      dense += strip * (turn * spread.asDiagonal() * turn.transpose()) * strip.transpose();
+      dense += strip * (mirror * spread.asDiagonal() * mirror) * strip.transpose();
     }
     for (std::uint32_t i = 0; i < count; ++i) {
       blocks.diagonal(i) = dense.block(i * size, i * size, size, size);

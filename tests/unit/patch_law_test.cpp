@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <solver/constraints/contact_law.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "support/random.h"
@@ -101,8 +101,7 @@ TEST(ContactLaw, DerivativeIsThatOfItsImpulses) {
     }
     if (one_piece) ++checked;
     EXPECT_TRUE(matrix.isApprox(matrix.transpose(), 1e-14) || matrix.isZero());
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> values(matrix);
-    EXPECT_GE(values.eigenvalues()[0], -1e-12 * values.eigenvalues()[5]);
+    EXPECT_GE(matrix.ldlt().vectorD().minCoeff(), -1e-12 * matrix.norm());
   }
   EXPECT_GT(checked, 1900);
 }

@@ -21,8 +21,7 @@ struct Closed {
                  const Vector3& spin = {0, 0, 0}) {
     const Vector3 along = head - tail;
     const double moment = along.squaredNorm() / 12;
-    return add(1, {1e-4, moment, moment}, {0.5 * (tail + head), Quaternion::FromTwoVectors(Vector3::UnitX(), along)},
-               velocity, spin);
+    return add(1, {1e-4, moment, moment}, {0.5 * (tail + head), turn_between(Vector3::UnitX(), along)}, velocity, spin);
   }
   BodyId add(double mass, const Vector3& moments, const Pose& pose, const Vector3& velocity = {0, 0, 0},
              const Vector3& spin = {0, 0, 0}) {
@@ -119,8 +118,7 @@ void spherical_pendulum(Closed& to) {
 
 void heavy_top(Closed& to) {
   const Vector3 axle = Vector3(0.5, 0, 0.866).normalized();
-  const BodyId top =
-      to.add(1, {0.01, 0.01, 0.02}, {0.2 * axle, Quaternion::FromTwoVectors(z, axle)}, origin, 60 * axle);
+  const BodyId top = to.add(1, {0.01, 0.01, 0.02}, {0.2 * axle, turn_between(z, axle)}, origin, 60 * axle);
   add_ball_joint(to, add_floor(to.world), top, origin);
 }
 
@@ -140,7 +138,7 @@ void satellite_with_rotor(Closed& to) {
   const Vector3 spin(0.1, 0.2, 0.05), mount(0.3, 0.1, 0), axle = Vector3(1, 0, 1).normalized();
   const BodyId bus = to.add(100, {10, 20, 25}, {}, origin, spin);
   const BodyId rotor =
-      to.add(5, {0.1, 0.06, 0.06}, {mount, Quaternion::FromTwoVectors(x, axle)}, spin.cross(mount), spin + 60 * axle);
+      to.add(5, {0.1, 0.06, 0.06}, {mount, turn_between(x, axle)}, spin.cross(mount), spin + 60 * axle);
   add_hinge(to.world, bus, rotor, mount, axle);
 }
 

@@ -12,17 +12,7 @@ BodyId add_floor(World& world) {
 
 JointId add_hinge(World& world, BodyId first, BodyId second, const Vector3& place, const Vector3& axis,
                   const JointAxis& angle) {
-  const Quaternion turn = Quaternion::FromTwoVectors(Vector3::UnitX(), axis.normalized());
-  const auto frame = [&](BodyId body) {
-    const Pose pose = world.pose(body);
-    const Quaternion back = pose.orientation.conjugate();
-    return Pose{back * (place - pose.position), back * turn};
-  };
-  return world.add_joint({.kind = HingeJoint{angle},
-                          .first = first,
-                          .second = second,
-                          .frame_first = frame(first),
-                          .frame_second = frame(second)});
+  return world.add_joint(joint_at(world, HingeJoint{angle}, first, second, place, axis));
 }
 
 Part add_part(World& world, double mass, const Vector3& moments, const Pose& pose, const Vector3& velocity,
@@ -59,7 +49,7 @@ BodyId Rods::add(const Vector3& tail, const Vector3& head, const Vector3& veloci
   const Vector3 along = head - tail;
   const double moment = along.squaredNorm() / 12;
   rods_.push_back(add_part(world_, 1, {1e-6, moment, moment},
-                           {0.5 * (tail + head), Quaternion::FromTwoVectors(Vector3::UnitX(), along)}, velocity));
+                           {0.5 * (tail + head), turn_between(Vector3::UnitX(), along)}, velocity));
   return rods_.back().body;
 }
 

@@ -7,6 +7,16 @@ namespace atl::physics {
 
 inline constexpr CollisionFilter no_contact = {.mask = 0};
 
+/// The least turn from one direction to another. Eigen's FromTwoVectors() decomposes a matrix where they are opposites,
+/// which takes the compiler 7 s in each file.
+inline Quaternion turn_between(const Vector3& from, const Vector3& to) {
+  const Vector3 a = from.normalized(), b = to.normalized();
+  Quaternion turn;
+  turn.w() = 1 + a.dot(b);
+  turn.vec() = turn.w() > 1e-12 ? a.cross(b) : a.unitOrthogonal();
+  return turn.normalized();
+}
+
 /// A world whose joints are solved at once.
 World mechanism_world(const Resolution& at, double gravity);
 

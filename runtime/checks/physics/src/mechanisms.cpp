@@ -144,7 +144,7 @@ double governor(const Resolution& at) {
   const BodyId shaft = add(1, Go::shaft_moment, {0, 0, 0}, {0, 0, 0});
   const BodyId sleeve = add(Go::sleeve, Go::sleeve_moment, {0, 0, -Go::level(Go::start)}, {0, 0, 0});
   add_hinge(world, floor, shaft, {0, 0, 0}, z);
-  const Quaternion down = Quaternion::FromTwoVectors(Vector3::UnitX(), z);
+  const Quaternion down = turn_between(Vector3::UnitX(), z);
   world.add_joint({.kind = SliderJoint{},
                    .first = shaft,
                    .second = sleeve,

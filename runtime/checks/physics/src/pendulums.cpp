@@ -27,7 +27,7 @@ struct Elbow {
     const double torque = stiffness * (bend - rest) + damping * bending;
     const Vector2 load(-1.5 * g * std::sin(y[0]) - 0.5 * std::sin(bend) * y[3] * y[3] - torque,
                        -0.5 * g * std::sin(y[1]) + 0.5 * std::sin(bend) * y[2] * y[2] + torque);
-    const Vector2 acceleration = mass.ldlt().solve(load);
+    const Vector2 acceleration = mass.inverse() * load;
     return {y[2], y[3], acceleration[0], acceleration[1]};
   }
   JointAxis axis() const {
@@ -108,9 +108,8 @@ double furuta(const Resolution& at) {
   const Vector3 up(0, std::sin(lean), std::cos(lean));
   const Part arm = add_part(world, 1, Vector3::Constant(arm_moment), {}, {0, 0, 0}, {0, 0, turning});
   const Vector3 centre = Vector3(reach, 0, 0) + half * up;
-  const Part pendulum =
-      add_part(world, mass, {across, across, along}, {centre, Quaternion::FromTwoVectors(Vector3::UnitZ(), up)},
-               turning * Vector3::UnitZ().cross(centre), {0, 0, turning});
+  const Part pendulum = add_part(world, mass, {across, across, along}, {centre, turn_between(Vector3::UnitZ(), up)},
+                                 turning * Vector3::UnitZ().cross(centre), {0, 0, turning});
   add_hinge(world, add_floor(world), arm.body, {0, 0, 0}, Vector3::UnitZ());
   add_hinge(world, arm.body, pendulum.body, {reach, 0, 0}, Vector3::UnitX());
   const double about_pivot = mass * half * half + across;
@@ -126,7 +125,7 @@ double furuta(const Resolution& at) {
       const double slope = 2 * s * c * (about_pivot - along);
       const Vector2 load(-slope * state[3] * state[2] + mass * reach * half * s * state[3] * state[3],
                          0.5 * slope * state[2] * state[2] + mass * g * half * s);
-      const Vector2 acceleration = inertia.ldlt().solve(load);
+      const Vector2 acceleration = inertia.inverse() * load;
       return Eigen::Vector4d(state[2], state[3], acceleration[0], acceleration[1]);
     });
     const Vector3 out(std::cos(y[0]), std::sin(y[0]), 0), ahead(-out.y(), out.x(), 0);
@@ -181,7 +180,7 @@ double satellite(const Resolution& at) {
   World world = mechanism_world(at, 0);
   const Vector3 spin(0.1, 0.2, 0.05), mount(0.3, 0.1, 0), axle = Vector3(1, 0, 1).normalized();
   const Part bus = add_part(world, 100, {10, 20, 25}, {}, {0, 0, 0}, spin);
-  const Part rotor = add_part(world, 5, {0.1, 0.06, 0.06}, {mount, Quaternion::FromTwoVectors(Vector3::UnitX(), axle)},
+  const Part rotor = add_part(world, 5, {0.1, 0.06, 0.06}, {mount, turn_between(Vector3::UnitX(), axle)},
                               spin.cross(mount), spin + 60 * axle);
   add_hinge(world, bus.body, rotor.body, mount, axle);
   const Vector3 before = angular_momentum(world, {bus, rotor});

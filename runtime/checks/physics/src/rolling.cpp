@@ -52,7 +52,7 @@ struct RollingDisc {
     const Vector3 r = arm(q);
     const Matrix3 about_contact = inertia + mass * (r.squaredNorm() * Matrix3::Identity() - r * r.transpose());
     const Vector3 torque = r.cross(mass * (g * Vector3::UnitZ() - w.cross(arm_rate(q, w)))) - w.cross(inertia * w);
-    return about_contact.ldlt().solve(torque);
+    return about_contact.inverse() * torque;
   }
   void advance(double seconds) {
     using State = Eigen::Matrix<double, 10, 1>;
