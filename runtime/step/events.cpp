@@ -182,8 +182,9 @@ void record_events(Stores& world, ContactEvents& events, const ContactPushes& pu
              events.touched.size());
   const double substep = world.clock.dt / step.substeps;
   const auto touch_now = [&](const std::pair<BodyId, BodyId>& pair) {
-    const std::span<const ContactHit> before_end(std::ranges::equal_range(hits, pair, {}, &ContactHit::pair));
-    return touch(world, pair, before_end, pushes, substep);
+    const auto first = std::ranges::lower_bound(hits, pair, {}, &ContactHit::pair);
+    const auto last = std::ranges::upper_bound(hits, pair, {}, &ContactHit::pair);
+    return touch(world, pair, {first, last}, pushes, substep);
   };
   const auto go_on = [&](const std::pair<BodyId, BodyId>& pair) {
     const double min = event_force(world, pair.first, pair.second);

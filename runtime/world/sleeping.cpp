@@ -35,8 +35,7 @@ std::vector<std::uint32_t> Sleeping::news() const {
   std::ranges::copy_if(unreported, std::back_inserter(bodies),
                        [&](std::uint32_t body) { return is_asleep(body) != (reported_asleep[body] != 0); });
   std::ranges::sort(bodies);
-  const auto again = std::ranges::unique(bodies);
-  bodies.erase(again.begin(), again.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
   return bodies;
 }
 

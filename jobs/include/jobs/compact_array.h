@@ -39,8 +39,8 @@ class CompactMemory {
     if (room > ~std::uint32_t{0}) throw std::bad_alloc();
     auto* const memory = static_cast<std::byte*>(take(head_bytes + room * sizeof(T)));
     T* const to = reinterpret_cast<T*>(memory + head_bytes);
-    std::construct_at(reinterpret_cast<Head*>(to) - 1, static_cast<std::uint32_t>(size()),
-                      static_cast<std::uint32_t>(room));
+    std::construct_at(reinterpret_cast<Head*>(to) - 1,
+                      Head{static_cast<std::uint32_t>(size()), static_cast<std::uint32_t>(room)});
     std::uninitialized_move(entries_, entries_ + size(), to);
     give_back();
     entries_ = to;
