@@ -150,7 +150,7 @@ void close_joints(const SolveInput& input, double time, double h, std::vector<Mo
     if (round > 0 || (has_contacts && max > tuning::open_gap)) {
       place_joints(input, time, h, bodies, problem);
       if (round == 0) close_as_pulled(h, problem.joints);
-      add_closing_stiffness(problem);
+      add_closing_stiffness(input.joints, problem);
       if (motions.search.matrix.joints() == nullptr) weigh_locks(input.joints, problem);
       if (!motions.search.matrix.factor(problem)) return;
     } else if (!has_contacts && !is_factored(problem) && !motions.search.matrix.factor(problem)) {
@@ -158,6 +158,7 @@ void close_joints(const SolveInput& input, double time, double h, std::vector<Mo
     }
     find_closing_motion(problem, motions.search, [](const DirectJoint& joint, std::size_t r) { return joint.gap[r]; });
     find_closing_impulses(problem, motions.search);
+    restore_masses(input.bodies, problem);
     // A small gap that closes by short moves needs no line search: Newton's step leaves less.
     const double longest = longest_move(motions.search.direction);
     const bool near = max <= tuning::open_gap && longest * longest <= tuning::open_gap;

@@ -37,6 +37,16 @@ void add_arm_stiffness(IslandProblem& problem, double scale, const Pull& pull) {
   for (DirectBody& body : problem.bodies) body.inverse_inertia = symmetric_inverse(body.inertia);
 }
 
+// kg, by the impulses of the closing motion: how a rod that pulls holds its ends from going aside.
+double stiffness_of_rod(const Joint& of, const DirectJoint& joint) {
+  double sum = 0;
+  for (std::size_t r = joint.point_rows(), k = 0; r < joint.rows; ++r, ++k) {
+    const double length = joint.at[r].value;
+    if (of.coordinate[k] == Coordinate::Distance && length > 0) sum += std::max(-joint.closing[r], 0.0) / length;
+  }
+  return sum;
+}
+
 }  // namespace
 
 bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandProblem& problem,
@@ -90,8 +100,25 @@ void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double 
   add_arm_stiffness(problem, h * h, [](const DirectJoint& joint) { return joint.tension; });
 }
 
-void add_closing_stiffness(IslandProblem& problem) {
+void add_closing_stiffness(const Joint* joints, IslandProblem& problem) {
   add_arm_stiffness(problem, 1, [](const DirectJoint& joint) { return joint.linear_impulse(joint.closing); });
+  for (const DirectJoint& joint : problem.joints) {
+    const double stiffness = stiffness_of_rod(joints[joint.joint], joint);
+    if (stiffness == 0) continue;
+    for (const std::uint32_t end : {joint.first, joint.second}) {
+      if (end == no_body) continue;
+      DirectBody& body = problem.bodies[end];
+      body.mass += 2 * stiffness;
+      body.inverse_mass = 1 / body.mass;
+    }
+  }
+}
+
+void restore_masses(const BodyTable& table, IslandProblem& problem) {
+  for (DirectBody& body : problem.bodies) {
+    body.inverse_mass = table.inverse_mass[body.body];
+    body.mass = 1 / body.inverse_mass;
+  }
 }
 
 void move(std::span<MovingBody> bodies, double share, const std::vector<double>& by) {

@@ -33,11 +33,14 @@ void turn_inertia(std::span<MovingBody> bodies);
 /// Inertia at the poses of now, with what the tension in joints makes of it in h seconds.
 void place_inertia(IslandProblem& problem, std::span<MovingBody> bodies, double h);
 
-/// Adds to inertia what the impulses of the last closing motion make of it: the curvature of gaps by which these pull,
-/// as sequential quadratic programming has it (Nocedal and Wright, "Numerical Optimization", 2006, 18.1). By the gaps'
-/// slopes alone a taut chain of light links, which is nearly singular, would turn them far sooner than lift what hangs
-/// on it.
-void add_closing_stiffness(IslandProblem& problem);
+/// Adds to inertia and masses what the impulses of the last closing motion make of them: the curvature of gaps by which
+/// these pull, as sequential quadratic programming has it (Nocedal and Wright, "Numerical Optimization", 2006, 18.1).
+/// By the gaps' slopes alone a taut chain of light links, which is nearly singular, would turn them far sooner than
+/// lift what hangs on it. Of rods a bound of it is added, the same along all axes and without their coupling of two
+/// bodies.
+void add_closing_stiffness(const Joint* joints, IslandProblem& problem);
+/// Gives bodies their masses back; place_inertia() does so with the rest.
+void restore_masses(const BodyTable& table, IslandProblem& problem);
 
 /// Moves bodies by `share` times six numbers each, m or m/s and rad or rad/s.
 void move(std::span<MovingBody> bodies, double share, const std::vector<double>& by);
