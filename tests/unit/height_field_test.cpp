@@ -137,6 +137,8 @@ TEST(HeightField, RefusesWhatIsNoField) {
   expect_problem(2, 0, 1, 1, {}, "found 2 columns and 0 rows");
   expect_problem(2, 2, 0, 1, four, "found spacings of 0 and 1 m");
   expect_problem(2, 2, 1, std::numeric_limits<double>::quiet_NaN(), four, "found spacings of 1 and nan m");
+  expect_problem(2, 2, 1e-17, 2.5e-7, four, "found spacings of 1e-17 and 2.5e-07 m and heights from 0 to");
+  expect_problem(2, 2, 1, 1, {0, 0, 0, 1e12}, "above 1e-10 of each other and of the heights' range");
   expect_problem(2, 3, 1, 1, four, "found 4 heights, expected columns * rows = 2 * 3 = 6");
   expect_problem(2, 2, 1, 1, {0, 0, 0, -std::numeric_limits<double>::infinity()},
                  "found a height of -inf at column 1, row 1");

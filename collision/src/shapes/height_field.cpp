@@ -2,6 +2,7 @@
 #include <jobs/assert.h>
 #include <jobs/hash.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,6 +12,8 @@ namespace atl::collision {
 namespace {
 
 constexpr double largest_length = 1e30;
+// Of a triangle's longest side, as of those of a mesh: what is narrower has no normal.
+constexpr double min_width = 1e-10;
 
 bool is_length(double value) { return value > 0 && value <= largest_length; }
 
@@ -182,6 +185,11 @@ std::variant<HeightField, std::string> build_height_field(std::uint32_t columns,
     field.highest = std::max(field.highest, heights[i]);
   }
   if (field.lowest > field.highest) field.lowest = field.highest = 0;
+  const double longest = std::max({spacing_x, spacing_y, field.highest - field.lowest});
+  if (!(std::min(spacing_x, spacing_y) > min_width * longest)) {
+    return text("found spacings of ", spacing_x, " and ", spacing_y, " m and heights from ", field.lowest, " to ",
+                field.highest, " m, expected spacings above 1e-10 of each other and of the heights' range");
+  }
   field.columns = columns;
   field.rows = rows;
   field.spacing_x = spacing_x;

@@ -140,11 +140,12 @@ class TriangleMesh {
 class HeightField {
  public:
   /// heights[row * columns + column] (m) is that at x = column * spacing_x, y = row * spacing_y; columns and
-  /// rows >= 2, spacings > 0, all finite, else Error. A cell's diagonal runs from its lower left to its upper
-  /// right sample. A height of NaN is a hole: the triangles at that sample are not there, and things fall through and
-  /// may go below the others. World::set_heights() changes heights later. With `smooth`, the samples stand for a smooth
-  /// surface, as of a TriangleMesh with a smooth angle, and without creases. `materials` has a number for each cell,
-  /// row after row, or is empty, as of a TriangleMesh.
+  /// rows >= 2, all finite, and spacings > 0 and more than 1e-10 of each other and of what the heights differ by, else
+  /// Error. A cell's diagonal runs from its lower left to its upper right sample. A height of NaN is a hole: the
+  /// triangles at that sample are not there, and things fall through and may go below the others.
+  /// World::set_heights() changes heights later. With `smooth`, the samples stand for a smooth surface, as of a
+  /// TriangleMesh with a smooth angle, and without creases. `materials` has a number for each cell, row after row, or
+  /// is empty, as of a TriangleMesh.
   HeightField(std::uint32_t columns, std::uint32_t rows, double spacing_x, double spacing_y,
               std::vector<double> heights, bool smooth = false, std::vector<std::uint8_t> materials = {});
 
