@@ -42,8 +42,9 @@ void check_motion(const World& world, const Mechanism& mechanism, const VectorXd
     const Vector3 centre = world.centre_of_mass(body);
     reach = std::max(reach, centre.norm());
     const Eigen::MatrixXd jacobian = mechanism.jacobian(body, pose.orientation.conjugate() * (centre - pose.position));
-    require_equal(jacobian.topRows(3) * v, world.velocity(body), 100 * reach * speed, "a velocity");
-    require_equal(jacobian.bottomRows(3) * v, world.angular_velocity(body), 100 * speed, "an angular velocity");
+    const VectorXd rates = jacobian * v;
+    require_equal(rates.head(3), world.velocity(body), 100 * reach * speed, "a velocity");
+    require_equal(rates.tail(3), world.angular_velocity(body), 100 * speed, "an angular velocity");
     mass += world.mass(body);
     momentum += world.mass(body) * world.velocity(body);
     first_moment += world.mass(body) * centre;
