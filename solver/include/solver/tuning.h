@@ -308,7 +308,7 @@ inline constexpr int max_penetration_rounds = 8;
 /// m/s: contact points that part or close faster are left to the next substep's solve.
 inline constexpr double resting_speed = 1e-3;
 /// Newton steps that close joints in a substep's motion, and how often each may be shortened to a quarter. One step is
-/// enough, except in one of fifty substeps after impacts. Four times less or more of both moved nothing.
+/// enough but after impacts, and where chains are taut: with 5 a bridge that just spans its posts opens by 243 mm.
 inline constexpr int max_closing_steps = 20;
 inline constexpr int max_shortenings = 4;
 

@@ -152,7 +152,7 @@ void close_joints(const SolveInput& input, double time, double h, std::vector<Mo
       if (round == 0) close_as_pulled(h, problem.joints);
       add_closing_stiffness(input.joints, problem);
       if (motions.search.matrix.joints() == nullptr) weigh_locks(input.joints, problem);
-      if (!motions.search.matrix.factor(problem)) return;
+      if (!motions.search.matrix.factor(problem)) return restore_masses(input.bodies, problem);
     } else if (!has_contacts && !is_factored(problem) && !motions.search.matrix.factor(problem)) {
       return;
     }
