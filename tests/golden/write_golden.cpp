@@ -25,9 +25,13 @@ void write(std::ostream& out) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const std::string path = atl::test::golden_path();
+  if (argc > 1) {
+    std::cerr << "usage: " << argv[0] << "\nwrites " << path << " anew\n";
+    return 2;
+  }
   try {
-    const std::string path = atl::test::golden_path();
     const std::string temporary = path + ".new";
     std::ofstream file(temporary);
     write(file);
