@@ -385,5 +385,25 @@ TEST_F(QueriesTest, BadQuestionsAreRefusedByName) {
   EXPECT_TRUE(queries_.cast_ray({.direction = {1e200, 0, 0}}));
 }
 
+// A body is as deep as its deepest child, whichever comes first.
+TEST(Queries, ThatStartInSeveralChildrenTellTheDeepest) {
+  World world;
+  world.add_body({.type = BodyType::Static,
+                  .shape = Compound{{{.shape = Sphere{0.3}, .position = {0.2, 0, 0}}, {.shape = Sphere{0.5}}}}});
+  const Queries queries(world);
+  const Ray ray{.origin = {0, 0.1, 0}, .direction = {1, 0, 0}, .max_distance = 5};
+  const ShapeCast cast{.shape = Sphere{0.05}, .position = ray.origin, .translation = {1, 0, 0}};
+  const auto hit = queries.cast_ray(ray);
+  const auto swept = queries.cast_shape(cast);
+  ASSERT_TRUE(hit && swept);
+  EXPECT_EQ(hit->child, 1u);
+  EXPECT_NEAR(hit->depth, 0.4, 1e-9);
+  EXPECT_LT((hit->normal - Vector3::UnitY()).norm(), 1e-9);
+  EXPECT_EQ(queries.cast_ray_through(ray).front().child, 1u);
+  EXPECT_EQ(swept->child, 1u);
+  EXPECT_NEAR(swept->depth, 0.45, 1e-6);
+  EXPECT_NEAR(queries.closest_point({.position = ray.origin}, 5)->distance, -hit->depth, 1e-9);
+}
+
 }  // namespace
 }  // namespace atl::test

@@ -48,11 +48,19 @@ void find_depth(const QueryScene& scene, const Shape& solid, const Pose& pose, C
   hit.hit.point = depth.on_other;
 }
 
+// The order of hits. Of a body's children that something starts in, the one it is deepest in comes first, as that is
+// how deep it is in the body.
+template <typename Hit>
+bool comes_before(const ColliderTable& colliders, const Hit& a, const Hit& b) {
+  if (a.hit.t != b.hit.t) return a.hit.t < b.hit.t;
+  const bool same_body = colliders.body[a.collider] == colliders.body[b.collider];
+  if (same_body && a.depth != b.depth) return a.depth > b.depth;
+  return comes_before(colliders, a.collider, b.collider);
+}
+
 template <typename Hit>
 void sort_hits(const ColliderTable& colliders, std::vector<Hit>& hits) {
-  std::sort(hits.begin(), hits.end(), [&](const Hit& a, const Hit& b) {
-    return a.hit.t != b.hit.t ? a.hit.t < b.hit.t : comes_before(colliders, a.collider, b.collider);
-  });
+  std::sort(hits.begin(), hits.end(), [&](const Hit& a, const Hit& b) { return comes_before(colliders, a, b); });
 }
 
 // A solid's way through the broadphase: the box around it, and where that goes.
@@ -79,13 +87,13 @@ bool cast_ray(const QueryScene& scene, const Ray& ray, Sides sides, Accept accep
     const double max_t = found ? first.hit.t : ray.max_t;
     ColliderRayHit fresh;
     if (!accept(collider) || !cast_at(scene, ray, sides, collider, max_t, fresh)) return max_t;
-    if (found && fresh.hit.t == first.hit.t && !comes_before(scene.colliders, collider, first.collider)) return max_t;
+    find_depth(scene, ray, fresh);
+    if (found && !comes_before(scene.colliders, fresh, first)) return max_t;
     first = fresh;
     found = true;
     return first.hit.t;
   });
   ATL_ASSERT(!found || (first.hit.t >= 0 && first.hit.t <= ray.max_t), first.collider, first.hit.t, ray.max_t);
-  if (found) find_depth(scene, ray, first);
   return found;
 }
 
@@ -105,10 +113,12 @@ void cast_ray_all(const QueryScene& scene, const Ray& ray, Sides sides, Accept a
   hits.clear();
   scene.broadphase.proxies().query_ray(ray.origin, ray.direction, ray.max_t, [&](std::uint32_t collider, double) {
     ColliderRayHit fresh;
-    if (accept(collider) && cast_at(scene, ray, sides, collider, ray.max_t, fresh)) hits.push_back(fresh);
+    if (accept(collider) && cast_at(scene, ray, sides, collider, ray.max_t, fresh)) {
+      find_depth(scene, ray, fresh);
+      hits.push_back(fresh);
+    }
     return ray.max_t;
   });
-  for (ColliderRayHit& hit : hits) find_depth(scene, ray, hit);
   sort_hits(scene.colliders, hits);
 }
 
@@ -128,17 +138,14 @@ bool cast_shape(const QueryScene& scene, const Shape& solid, const Pose& pose, c
         const Motion still = Motion::still(scene.colliders.pose(collider, scene.poses));
         const Shape& other = scene.colliders.shape[collider];
         if (!sweep(solid, cast.motion, other, still, cast.goal, limit, fresh.hit)) return limit;
-        if (found && fresh.hit.t >= first.hit.t &&
-            (fresh.hit.t > first.hit.t || !comes_before(scene.colliders, collider, first.collider))) {
-          return limit;
-        }
+        find_depth(scene, solid, pose, fresh);
+        if (found && !comes_before(scene.colliders, fresh, first)) return limit;
         first = fresh;
         found = true;
         return std::min(1.0, first.hit.t + slack);
       },
       cast.half);
   ATL_ASSERT(!found || (first.hit.t >= 0 && first.hit.t <= 1), first.collider, first.hit.t);
-  if (found) find_depth(scene, solid, pose, first);
   return found;
 }
 
