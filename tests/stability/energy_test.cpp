@@ -34,7 +34,7 @@ double max_energy_gained(World& world, const std::vector<BodyId>& ids, int steps
 constexpr AssemblyKind plain = {
     .motors = false, .springs = false, .ranges = false, .apart = false, .redundant = false, .pinned = false};
 
-// Whether one gains more.
+// True if an assembly gains more energy than its allowance times the margin.
 bool gains(std::uint32_t seed, const AssemblyKind& kind, JointSolver solver, bool at_defaults = false) {
   Assembly assembly = random_assembly(seed, kind);
   if (at_defaults) assembly.world.settings = {};
@@ -48,7 +48,7 @@ bool gains(std::uint32_t seed, const AssemblyKind& kind, JointSolver solver, boo
   return true;
 }
 
-// How many of so many do.
+// Counts the assemblies of the first seeds that gain more.
 int gaining(std::uint32_t seeds, const AssemblyKind& kind, JointSolver solver, bool at_defaults = false) {
   int count = 0;
   for (std::uint32_t seed = 0; seed < seeds; ++seed) count += gains(seed, kind, solver, at_defaults);

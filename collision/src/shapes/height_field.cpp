@@ -12,7 +12,8 @@ namespace atl::collision {
 namespace {
 
 constexpr double largest_length = 1e30;
-// Of a triangle's longest side, as of those of a mesh: what is narrower has no normal.
+// A cell narrower than this part of its longest side has triangles whose normals rounding decides, as those of a
+// TriangleMesh.
 constexpr double min_width = 1e-10;
 
 bool is_length(double value) { return value > 0 && value <= largest_length; }

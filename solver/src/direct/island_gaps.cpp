@@ -80,16 +80,23 @@ double longest_move(const std::vector<double>& by) {
   return max;
 }
 
+// Moves bodies by a part of the closing motion if no gap is wider than `max_gap` then. Returns whether they are moved.
+bool move_if_closer(const SolveInput& input, double time, double share, double max_gap, std::vector<MovingBody>& bodies,
+                    const IslandMotions& motions) {
+  for (MovingBody& body : bodies) body.before = body.now;
+  move(bodies, share, motions.search.direction);
+  if (widest_gap(input.joints, motions.problem.joints, {input.bodies, bodies, time}) <= max_gap) return true;
+  for (MovingBody& body : bodies) body.now = body.before;
+  return false;
+}
+
 // Moves bodies by as much of the closing motion as closes anything. Returns how much that was, or 0 if nothing does.
 double move_closer(const SolveInput& input, double time, double gap_before, std::vector<MovingBody>& bodies,
                    const IslandMotions& motions) {
-  for (MovingBody& body : bodies) body.before = body.now;
+  const double max_gap = std::max(gap_before, tuning::open_gap);
   double share = std::min(1.0, tuning::far_at_rest / longest_move(motions.search.direction));
   for (int round = 0; round < tuning::max_shortenings; ++round, share *= 0.25) {
-    move(bodies, share, motions.search.direction);
-    const double gap = widest_gap(input.joints, motions.problem.joints, {input.bodies, bodies, time});
-    if (gap <= std::max(gap_before, tuning::open_gap)) return share;
-    for (MovingBody& body : bodies) body.now = body.before;
+    if (move_if_closer(input, time, share, max_gap, bodies, motions)) return share;
   }
   return 0;
 }
@@ -117,6 +124,24 @@ void follow_coordinates(const std::vector<double>& direction, double share, std:
     joint.move_terms(direction, share);
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       joint.position[r] += share * joint.rate_by(direction, r);
+    }
+  }
+}
+
+// Finds the impulses of the closing motion.
+void find_closing_impulses(IslandProblem& problem, const BalanceSearch& search) {
+  const double* impulse = search.matrix.joints() != nullptr ? search.impulses.data() : nullptr;
+  for (DirectJoint& joint : problem.joints) {
+    if (impulse != nullptr) {
+      std::copy_n(impulse, joint.rows, joint.closing.begin());
+      impulse += joint.rows;
+      continue;
+    }
+    DirectJoint::Rows<double> rates;
+    joint.rates_by(search.direction.data(), rates.data());
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const double slope = joint.gap[r] != 0 ? joint.law[r].slope(joint.rate[r]) : 0;
+      joint.closing[r] = -slope * (joint.gap[r] + rates[r]);
     }
   }
 }
@@ -165,7 +190,7 @@ void close_joints(const SolveInput& input, double time, double h, std::vector<Mo
     const double share_before = share;
     share = near ? 1 : move_closer(input, time, max, bodies, motions);
     if (near) move(bodies, 1, motions.search.direction);
-    // One that can't be shortened enough has told how gaps curve.
+    // A motion that can't be shortened enough still tells how gaps curve, for the next one.
     if (share == 0 && share_before == 0) break;
     follow_coordinates(motions.search.direction, share, problem.joints);
     if (motions.pushes || gain_by_closing(input.joints, bodies, share / h, motions)) {
@@ -184,12 +209,7 @@ bool settle_joints(const SolveInput& input, std::vector<MovingBody>& bodies, Isl
   find_closing_motion(motions.problem, motions.search,
                       [](const DirectJoint& joint, std::size_t r) { return joint.law[r].locked ? joint.gap[r] : 0; });
   if (longest_move(motions.search.direction) > tuning::far_at_rest) return false;
-  for (MovingBody& body : bodies) body.before = body.now;
-  move(bodies, 1, motions.search.direction);
-  if (widest_gap(input.joints, motions.problem.joints, poses) > max) {
-    for (MovingBody& body : bodies) body.now = body.before;
-    return false;
-  }
+  if (!move_if_closer(input, input.dt, 1, max, bodies, motions)) return false;
   turn_inertia(bodies);
   follow_coordinates(motions.search.direction, 1, motions.problem.joints);
   return max <= tuning::open_gap;

@@ -258,7 +258,7 @@ bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<c
       const double turns = rotors == Rotors::Keep ? turned + (to - from) : to + joint.bend[r];
       const double rotor = 0.5 * law.armature * (turns * turns - turned * turned);
       made += rotor;
-      // A rotor has what it gives from its own rate, and rows that have turned tell more of that.
+      // Rotors give no more than their rates tell. Impulses along rows that have turned since seem to do more work.
       const bool works = law.drives() || law.springs();
       if (works && rotors != Rotors::Keep) made -= std::max(0.5 * joint.impulse[r] * (to + from) + rotor, 0.0);
       if (law.armature == 0) continue;

@@ -167,23 +167,6 @@ bool step_by_newton(IslandProblem& problem, BalanceSearch& search) {
   return descend(problem, search) > 0;
 }
 
-void find_closing_impulses(IslandProblem& problem, const BalanceSearch& search) {
-  const double* impulse = search.matrix.joints() != nullptr ? search.impulses.data() : nullptr;
-  for (DirectJoint& joint : problem.joints) {
-    if (impulse != nullptr) {
-      std::copy_n(impulse, joint.rows, joint.closing.begin());
-      impulse += joint.rows;
-      continue;
-    }
-    DirectJoint::Rows<double> rates;
-    joint.rates_by(search.direction.data(), rates.data());
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      const double slope = joint.gap[r] != 0 ? joint.law[r].slope(joint.rate[r]) : 0;
-      joint.closing[r] = -slope * (joint.gap[r] + rates[r]);
-    }
-  }
-}
-
 void find_direction(IslandProblem& problem, BalanceSearch& search) {
   std::vector<double>& direction = search.direction;
   ATL_ASSERT(direction.size() == 6 * problem.bodies.size() && search.gradient.size() == direction.size(),

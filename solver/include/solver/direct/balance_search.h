@@ -76,9 +76,6 @@ void find_closing_motion(const IslandProblem& problem, BalanceSearch& search, co
   search.matrix.solve(problem, search.direction);
 }
 
-/// Finds the impulses of that motion, of gaps that are the joints'.
-void find_closing_impulses(IslandProblem& problem, const BalanceSearch& search);
-
 /// Down the gradient, by the factor that there is, with what that changes at contacts and joints.
 void find_direction(IslandProblem& problem, BalanceSearch& search);
 
