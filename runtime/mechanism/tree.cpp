@@ -199,10 +199,13 @@ std::size_t count_joints(const Tree& tree, const Stores& stores) {
 
 void check_body(const World& world, BodyId body) {
   if (!world.contains(body)) refuse_stale("Mechanism", body);
-  if (!world.is_quarantined(body)) return;
-  std::ostringstream message;
-  message << "Mechanism: the body with index " << body.index << " is in quarantine; expected one that takes part";
-  throw Error(message.str());
+  const auto refuse = [&](const char* what) {
+    throw Error("Mechanism: the body with index " + std::to_string(body.index) + what);
+  };
+  if (world.is_quarantined(body)) refuse(" is in quarantine; expected one that takes part");
+  if (MechanismAccess::stores(world).bodies.locks[body.index] != 0) {
+    refuse(" has motion locks; expected none: a SixDofJoint to a static body holds the same axes");
+  }
 }
 
 }  // namespace

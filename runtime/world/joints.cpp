@@ -125,13 +125,6 @@ void check_bodies(const Stores& world, const JointDef& def) {
   if (def.first == def.second) {
     throw Error("JointDef.second is " + text(def.second) + ", as is first; expected another body");
   }
-  // Joints know of masses that are the same in all directions only.
-  for (const auto& [name, id] : {std::pair{"first", def.first}, std::pair{"second", def.second}}) {
-    if (world.bodies.locks[id.index] == 0) continue;
-    throw Error(std::string("JointDef.") + name + " is " + text(id) +
-                ", which has motion locks; expected a body without, as joints don't know of them: a SixDofJoint to a "
-                "static body holds the same axes");
-  }
 }
 
 namespace {

@@ -83,13 +83,6 @@ void take_mass_of(const BodyConstants& from, BodyConstants& to) {
   to.moments = from.moments;
 }
 
-void check_joints(const Stores& world, std::uint32_t body, const BodyConstants& constants) {
-  if (constants.locks == 0) return;
-  world.joints.for_each_of(body, [](std::uint32_t) {
-    throw Error("World::set_definition: locks are given to a body with joints; expected none, or no joints");
-  });
-}
-
 }  // namespace
 
 void redefine(Stores& world, std::uint32_t body, const BodyConstants& constants) {
@@ -117,7 +110,6 @@ BodyConstants redefined(const Stores& world, std::uint32_t body, const BodyDef& 
   same.velocity = same.angular_velocity = Vector3::Zero();
   const BodyConstants before = check(same).constants;
   BodyConstants after = check(def).constants;
-  if constexpr (with_joints) check_joints(world, body, after);
   // A definition rounds masses and frames: what it says again keeps its bits.
   if (weighs_the_same(before, after)) take_mass_of(present, after);
   if (place_of(before) == place_of(after)) {

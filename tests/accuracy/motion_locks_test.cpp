@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "support/bodies.h"
-#include "support/expect_error.h"
 
 namespace atl::test::motion_locks_test {
 namespace {
@@ -392,16 +391,6 @@ TEST(MotionLocks, StaticAndKinematicBodiesHaveNone) {
   const BodyId id = world.add_body(def);
   run(world, 60);
   EXPECT_NEAR(world.pose(id).position.y(), 1, 1e-9);
-}
-
-TEST(MotionLocks, JointsAreRefused) {
-  World world;
-  const BodyId free = world.add_body(box({0, 0, 0}));
-  const BodyId planar = world.add_body(locked(box({2, 0, 0}), in_plane));
-  expect_error([&] { world.add_joint({.kind = BallJoint{}, .first = free, .second = planar}); },
-               {"JointDef.second", "index 1", "motion locks", "expected a body without"});
-  expect_error([&] { world.add_joint({.kind = BallJoint{}, .first = planar, .second = free}); }, {"JointDef.first"});
-  EXPECT_EQ(world.joint_count(), 0u);
 }
 
 }  // namespace

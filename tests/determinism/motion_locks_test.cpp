@@ -83,5 +83,60 @@ TEST(MotionLocksBits, NeighboursDontShow) {
   }
 }
 
+// A cart on rails with a pole, a mechanism in its plane that hangs and touches the ground, a rotor in place that
+// carries a rod, and a wheel with a motor: by each solver, next to what has no locks.
+Scene joined_scene(JointSolver solver, Stabilisation stabilisation) {
+  Scene scene;
+  scene.steps = 90;
+  scene.dt = 1.0 / 60;
+  scene.settings.joint_solver = solver;
+  scene.settings.stabilisation = stabilisation;
+  const auto add = [&](const Vector3& position, const Vector3& half_extents, const MotionLocks& locks) {
+    scene.bodies.push_back({.def = {.shape = Box{half_extents}, .position = position, .locks = locks}});
+    return static_cast<std::uint32_t>(scene.bodies.size() - 1);
+  };
+  const auto join = [&](const JointKind& kind, std::uint32_t first, std::uint32_t second, const Vector3& point) {
+    const auto frame = [&](std::uint32_t body) {
+      return Pose{point - scene.bodies[body].def.position, Quaternion(Eigen::AngleAxisd(1.5, Vector3::UnitZ()))};
+    };
+    scene.joints.push_back({.def = {.kind = kind, .frame_first = frame(first), .frame_second = frame(second)},
+                            .first = first,
+                            .second = second});
+  };
+  scene.bodies.push_back({.def = {.type = BodyType::Static, .shape = HalfSpace{}, .position = {0, 0, -1.2}}});
+  for (const MotionLocks& plane : {MotionLocks::plane(Axis::Y), MotionLocks{}}) {
+    const double y = plane == MotionLocks{} ? 10 : 0;
+    const std::uint32_t cart = add({0, y, 0}, {0.3, 0.1, 0.1}, {{false, true, true}, {true, true, true}});
+    join(BallJoint{}, cart, add({0.5, y, 0}, {0.5, 0.05, 0.05}, {}), {0, y, 0});
+    std::uint32_t last = 0;
+    for (int i = 0; i < 4; ++i) {
+      const std::uint32_t next = add({3 + i + 0.5, y, 0}, {0.5, 0.1, 0.1}, plane);
+      join(HingeJoint{{.motor = JointMotor{.speed = 1, .max_force = 5}}}, last, next, {3.0 + i, y, 0});
+      last = next;
+    }
+    const std::uint32_t rotor = add({9, y, 0}, {0.5, 0.1, 0.1}, {.linear = {true, true, true}});
+    join(UniversalJoint{}, rotor, add({9.9, y, 0}, {0.4, 0.1, 0.1}, {.linear = {false, false, true}}), {9.5, y, 0});
+  }
+  return scene;
+}
+
+TEST(MotionLocksBits, WithJointsAreTheSameInEveryVariant) {
+  for (const JointSolver solver : {JointSolver::Auto, JointSolver::Direct, JointSolver::Iterative}) {
+    for (const Stabilisation how : all_stabilisations) {
+      const Scene scene = joined_scene(solver, how);
+      const divergence::Variant plain;
+      const std::vector<std::uint64_t> trail = divergence::follow(scene, plain);
+      for (const Simd simd : divergence::supported_simds()) {
+        for (const int threads : {1, 3}) expect_same(trail, scene, plain, {.threads = threads, .simd = simd});
+      }
+      expect_same(trail, scene, plain, {.restore = divergence::Restore::SameWorld});
+      expect_same(trail, scene, plain, {.restore = divergence::Restore::FreshWorld});
+      Scene everything = scene;
+      everything.settings.run_everything = true;
+      EXPECT_EQ(divergence::follow(everything, {}), trail);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace atl::test::motion_locks_test

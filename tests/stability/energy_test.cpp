@@ -73,6 +73,14 @@ TEST(Energy, NorWithSpringsAndRangesAtTheDefaults) {
   EXPECT_EQ(gaining(seeds(), kind, JointSolver::Auto, true), 0);
 }
 
+// What locks and joints ask for together may leave nothing that moves, or little.
+TEST(Energy, NorWhereMotionsAreLocked) {
+  AssemblyKind kind = plain;
+  kind.ranges = kind.pinned = kind.locks = true;
+  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Direct), 0);
+  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Iterative, true), 0);
+}
+
 // Joints between the same two bodies are together as stiff as one, or sweeps would ring them up.
 TEST(Energy, NorWhereSweptJointsHoldTheSameBodies) {
   AssemblyKind kind = plain;

@@ -24,6 +24,7 @@ struct AssemblyKind {
   bool apart = true;      ///< some start with joints that are apart by some cm and rad
   bool redundant = true;  ///< some joints twice and threefold, and more joints than make a tree
   bool pinned = true;     ///< some hang on what is static
+  bool locks = false;     ///< motions of most bodies are locked
 };
 
 /// An assembly, and what can have made it move.
@@ -175,6 +176,22 @@ inline JointKind random_kind(Random& random, const AssemblyKind& kind, std::ostr
   }
 }
 
+// All in one plane, along and about any axes, in place, or without turning.
+inline void lock_motions(Random& random, std::vector<BodyDef>& bodies) {
+  const std::uint32_t how = random.below(3);
+  for (BodyDef& def : bodies) {
+    if (!random.chance(0.6)) continue;
+    if (how == 0) {
+      def.locks = MotionLocks::plane(Axis::Y);
+    } else if (how == 1) {
+      for (bool& lock : def.locks.linear) lock = random.chance(0.3);
+      for (bool& lock : def.locks.angular) lock = random.chance(0.3);
+    } else {
+      (random.chance(0.5) ? def.locks.linear : def.locks.angular) = {true, true, true};
+    }
+  }
+}
+
 inline Pose seen_from(const BodyDef& body, const Vector3& point, const Quaternion& turn) {
   return {body.orientation.conjugate() * (point - body.position), body.orientation.conjugate() * turn};
 }
@@ -300,6 +317,7 @@ inline Assembly random_assembly(std::uint32_t seed, const AssemblyKind& kind = {
       join(made.bodies.size() - 1, held, made.bodies.back().position, random.rotation(std::numbers::pi));
     }
   }
+  if (kind.locks) lock_motions(random, made.bodies);
   made.features = words.str();
   return made;
 }

@@ -154,7 +154,6 @@ TEST(BodyRedefinition, ADefinitionThatCannotBeChangesNothing) {
   const std::uint64_t hash = world.state_hash();
   const auto refuse = [&](BodyId id, const auto& change) { EXPECT_THROW(change_definition(world, id, change), Error); };
   refuse(wall, [](BodyDef& def) { def.type = BodyType::Dynamic; });
-  refuse(arm, [](BodyDef& def) { def.locks = MotionLocks::plane(Axis::Y); });
   refuse(arm, [](BodyDef& def) { def.position.x() = std::numeric_limits<double>::infinity(); });
   refuse(arm, [](BodyDef& def) { def.material.friction = -1; });
   EXPECT_EQ(world.state_hash(), hash);

@@ -22,9 +22,9 @@ enum class BodyType {
 enum class Axis : std::uint8_t { X, Y, Z };
 
 /// Which motions along and about the world's axes x, y and z a dynamic body is without, whatever acts on it. Forces,
-/// contacts and velocities that are asked for lose their part along what is locked, and nothing else; poses may be set
-/// to any. A locked body turns about its free axes as one whose inertia is that about these, without gyroscopic
-/// torque, and has no joints.
+/// contacts, joints and velocities that are asked for lose their part along what is locked, and nothing else; poses may
+/// be set to any. A locked body turns about its free axes as one whose inertia is that about these, without gyroscopic
+/// torque.
 struct MotionLocks {
   std::array<bool, 3> linear = {};
   std::array<bool, 3> angular = {};

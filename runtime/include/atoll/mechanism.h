@@ -69,7 +69,8 @@ struct InverseKinematics {
 /// All in double, by Featherstone, "Rigid Body Dynamics Algorithms", 2008, with spatial vectors in the world's axes.
 ///
 /// Calls throw Error if a body or joint of the tree was removed, disabled, broken or put into quarantine since, if
-/// another joint was added to a body of it, or if a coordinate was locked or unlocked: make another then. They throw it
+/// another joint was added to a body of it, a body was given motion locks, which coordinates know nothing of, or if a
+/// coordinate was locked or unlocked: make another then. They throw it
 /// too on arrays of another size, on numbers that are not finite, and on bodies that aren't in the tree. A world must
 /// outlive its mechanisms, and stay where it is: they refer to it.
 class Mechanism {

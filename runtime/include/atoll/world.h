@@ -246,7 +246,7 @@ class World {
   /// A body that moves as it did keeps the rigid motion of its frame; one that becomes static stops. Static and
   /// kinematic bodies have no mass, so one that becomes dynamic weighs what its definition says. What touched it is
   /// found anew, without warm start, where its type, shapes, centre of mass, `sensor` or `continuous` change, and only
-  /// there. Throws Error as add_body() does, and if a joint would be on a body with locks: nothing is changed then.
+  /// there. Throws Error as add_body() does: nothing is changed then.
   void set_definition(BodyId id, const BodyDef& def);
   /// Takes a body out of the simulation, or lets it take part again. A disabled body keeps its id, pose and velocities.
   /// It doesn't move, touches nothing, is found by no query and feels no force, also none that is applied meanwhile;

@@ -24,7 +24,7 @@ inline constexpr double joint_hertz_limit = 0.28;
 /// three as many as with two.
 inline constexpr int joint_relaxations = 2;
 /// Smallest part of a row's response J M^-1 J^T that must be left while its joint holds. A row with less would act by
-/// single precision's rounding, and stays as it is.
+/// single precision's rounding, and stays as it is; or is left out, where it is motion locks that leave so little.
 inline constexpr double min_response_share = 1e-5;
 /// m or rad by which a locked coordinate is brought back in a substep at most. Without, hinges whose axes are put apart
 /// close at 248 rad/s; with an eighth of it a servo's arm gets nine tenths of the torque. Also the distance from the

@@ -171,8 +171,9 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, 
     if (sign < 0) row.friction_speed = rate;
     if (sign < 0 && is_behind(rate, rate)) given += std::copysign(std::exchange(row.friction_impulse, 0), rate);
   }
-  if (given == 0 && slope == 0) return row;
-  row.spring_slope = std::max(slope, min_hold * effective_mass);
+  const double held = std::max(slope, min_hold * effective_mass);
+  if ((given == 0 && slope == 0) || held == 0) return row;  // or it would move nothing
+  row.spring_slope = held;
   row.spring_rate = given / row.spring_slope;
   return row;
 }

@@ -20,8 +20,11 @@ bool all_ends(const DirectJoint& joint, const Visit& visit) {
          });
 }
 
-// A gear's bearings are elsewhere, and hold it.
+// A gear's bearings are elsewhere, and hold it, as motion locks hold a body.
 bool floats(const Joint* joints, const IslandProblem& problem) {
+  for (const DirectBody& body : problem.bodies) {
+    if (body.locks != 0) return false;
+  }
   return std::all_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
     const Joint& of = joints[joint.joint];
     return all_ends(joint, [](std::uint32_t number, std::uint32_t) { return number != no_body; }) &&

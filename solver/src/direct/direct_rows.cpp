@@ -2,6 +2,7 @@
 
 #include <jobs/assert.h>
 #include <solver/direct/direct_rows.h>
+#include <solver/integrate/motion_locks.h>
 
 namespace atl::solver {
 namespace {
@@ -16,6 +17,11 @@ Vector3 linear(const double* velocity) { return {velocity[0], velocity[1], veloc
 Vector3 angular(const double* velocity) { return {velocity[3], velocity[4], velocity[5]}; }
 
 }  // namespace
+
+void DirectBody::weigh(double mass_now, double inverse) {
+  mass = mass_now;
+  inverse_mass = without(linear_locks(locks), Vector3::Constant(inverse));
+}
 
 void DirectContact::add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const {
   const Vector3 at_centre = v + w.cross(arm);

@@ -38,11 +38,12 @@ void find_gaps(const Joint* joints, const DirectJoint& joint, const IslandPoses&
                            (second.orientation * of.anchor_second - first.orientation * of.anchor_first);
     for (; r < 3; ++r) gap[r] = offset[static_cast<Eigen::Index>(r)];
   }
-  if (r == joint.rows) return;
+  if (r == joint.rows) return forget_still(joint, gap);
   const JointFrames frames = joint_frames(of, first.position, first.orientation, second.position, second.orientation);
   for (std::size_t k = 0; r < joint.rows; ++r, ++k) {
     gap[r] = gap_of(of, joint, r, law_row(of, k, frames, joint.position[r]).at.value);
   }
+  forget_still(joint, gap);
 }
 
 double widest(const DirectJoint& joint, const DirectJoint::Rows<double>& gap) {

@@ -5,6 +5,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -15,9 +16,9 @@ namespace {
 void add_point_response(const DirectBody& body, const Vector3& arm, double (&to)[3]) {
   const Matrix3& w = body.inverse_inertia;
   const double x = arm.x(), y = arm.y(), z = arm.z();
-  to[0] += body.inverse_mass + (z * z * w(1, 1) + y * y * w(2, 2) - 2 * (y * z * w(2, 1)));
-  to[1] += body.inverse_mass + (z * z * w(0, 0) + x * x * w(2, 2) - 2 * (x * z * w(2, 0)));
-  to[2] += body.inverse_mass + (y * y * w(0, 0) + x * x * w(1, 1) - 2 * (x * y * w(1, 0)));
+  to[0] += body.inverse_mass[0] + (z * z * w(1, 1) + y * y * w(2, 2) - 2 * (y * z * w(2, 1)));
+  to[1] += body.inverse_mass[1] + (z * z * w(0, 0) + x * x * w(2, 2) - 2 * (x * z * w(2, 0)));
+  to[2] += body.inverse_mass[2] + (y * y * w(0, 0) + x * x * w(1, 1) - 2 * (x * y * w(1, 0)));
 }
 
 void place_arms(const Joint* joints, const IslandPoses& poses, std::vector<DirectJoint>& all) {
@@ -49,12 +50,39 @@ void place_rows(const Joint& of, const BodyPose& first, const BodyPose& second, 
   }
 }
 
+// 1/kg or 1/(kg m^2): what an impulse along a row makes of its rate by a body.
+double response_of(const DirectBody& body, const Vector3& linear, const Vector3& angular) {
+  return linear.dot(body.inverse_mass.cwiseProduct(linear)) + angular.dot(body.inverse_inertia * angular);
+}
+
+// Finds the rows along which motion locks let nothing move: what is left of their response is rounding, by which an
+// impulse would have no bound. A lock there has nothing to hold.
+void find_still(const std::vector<DirectBody>& bodies, DirectJoint& joint) {
+  joint.still = 0;
+  const auto is_locked = [&](std::uint32_t body) { return body != no_body && bodies[body].locks != 0; };
+  if (joint.is_tendon() || (!is_locked(joint.first) && !is_locked(joint.second))) return;
+  for (std::size_t r = 0; r < joint.rows; ++r) {
+    const JointRow at = joint.row(r);
+    double left = 0, without_locks = 0;
+    const auto add = [&](std::uint32_t body, const Vector3& angular) {
+      if (body == no_body) return;
+      const DirectBody& of = bodies[body];
+      left += response_of(of, at.linear, angular);
+      without_locks += (at.linear.squaredNorm() + angular.squaredNorm() / (of.radius * of.radius)) / of.mass;
+    };
+    add(joint.first, at.angular_first);
+    add(joint.second, at.angular_second);
+    if (!(left > tuning::min_response_share * without_locks)) joint.still |= static_cast<std::uint8_t>(1 << r);
+    if (joint.is_lock(r)) joint.law[r].locked = !joint.is_still(r);
+  }
+}
+
 void weigh_tendon(const std::vector<DirectBody>& bodies, DirectJoint& tendon) {
   double responds = 0;
   for (const PulledBody& body : tendon.pulled()) {
     if (body.body == no_body) continue;
     const DirectBody& of = bodies[body.body];
-    responds += body.linear.squaredNorm() / of.mass + body.angular.dot(of.inverse_inertia * body.angular);
+    responds += response_of(of, body.linear, body.angular);
   }
   tendon.mass[0] = responds > 0 ? 1 / responds : 0;
 }
@@ -67,23 +95,23 @@ void weigh_rows(const Joint& of, const std::vector<DirectBody>& bodies, bool loc
   }
   const auto response = [&](std::uint32_t body, const Vector3& linear, const Vector3& angular) {
     if (body == no_body) return 0.0;
-    const DirectBody& b = bodies[body];
-    return linear.squaredNorm() / b.mass + angular.dot(b.inverse_inertia * angular);
+    return response_of(bodies[body], linear, angular);
   };
   if (joint.point && locked) {
     double responds[3] = {0, 0, 0};
     if (joint.first != no_body) add_point_response(bodies[joint.first], joint.arm_first, responds);
     if (joint.second != no_body) add_point_response(bodies[joint.second], joint.arm_second, responds);
-    ATL_ASSERT(!(responds[0] <= 0) && !(responds[1] <= 0) && !(responds[2] <= 0), joint.joint, responds[0], responds[1],
-               responds[2]);
-    for (std::size_t r = 0; r < 3; ++r) joint.mass[r] = 1 / responds[r];
+    for (std::size_t r = 0; r < 3; ++r) {
+      ATL_ASSERT(!(responds[r] <= 0) || joint.is_still(r), joint.joint, r, responds[r]);
+      joint.mass[r] = joint.is_still(r) ? 0 : 1 / responds[r];
+    }
   }
   for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
     if (law_of(of, r).locked() != locked) continue;
     const JointRow& at = joint.at[r];
     const double responds =
         response(joint.first, at.linear, at.angular_first) + response(joint.second, at.linear, at.angular_second);
-    joint.mass[r] = responds > 0 ? 1 / responds : 0;
+    joint.mass[r] = responds > 0 && !joint.is_still(r) ? 1 / responds : 0;
   }
 }
 
@@ -203,7 +231,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     }
     ATL_ASSERT(joint.rows >= 1 && joint.rows <= max_joint_rows, link.joint, joint.rows);
     const std::size_t points = joint.point_rows();
-    joint.locks = 0;
+    joint.locks = joint.still = 0;
     for (std::size_t r = 0; r < joint.rows; ++r) {
       joint.law[r] = {.locked = law_of(from, r).locked()};
       joint.locks |= static_cast<std::uint8_t>(joint.law[r].locked ? 1 << r : 0);
@@ -244,6 +272,7 @@ void place_joints(const SolveInput& input, double time, double h, std::vector<Mo
       place_rows(input.joints[joint.joint], poses.of(joint.first, joint.first_body),
                  poses.of(joint.second, joint.second_body), joint);
     }
+    find_still(problem.bodies, joint);
     weigh_rows(input.joints[joint.joint], problem.bodies, false, joint);
     give_rates(input.bodies, joint);
   }
@@ -259,6 +288,10 @@ void weigh_locks(const Joint* joints, IslandProblem& problem) {
       if (law_of(of, r).locked()) joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
     }
   }
+}
+
+void forget_still(const DirectJoint& joint, DirectJoint::Rows<double>& values) {
+  for (unsigned rest = joint.still; rest != 0; rest &= rest - 1) values[std::countr_zero(rest)] = 0;
 }
 
 void find_rates(const std::vector<double>& velocities, const DirectJoint& joint, DirectJoint::Rows<double>& rates) {
@@ -373,7 +406,7 @@ void hold_rows(const Joint* joints, bool late, IslandProblem& problem) {
       joint.law[r].spring_slope = law.armature;
       joint.law[r].spring_rate = joint.kept[r];
       joint.bounces[r] = law.restitution > 0 && joint.limit[r] * joint.impact[r].end > 0;
-      if (!before.holds(joint.rate[r])) continue;
+      if (joint.is_still(r) || !before.holds(joint.rate[r])) continue;
       joint.law[r].locked = true;
       joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
       if (joint.bounces[r]) joint.law[r].lock_rate = late ? joint.impact[r].leaving_late : joint.impact[r].leaving;

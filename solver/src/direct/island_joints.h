@@ -27,6 +27,9 @@ void place_joints(const SolveInput& input, double time, double h, std::vector<Mo
 /// it from its diagonal.
 void weigh_locks(const Joint* joints, IslandProblem& problem);
 
+/// Makes the values of rows that nothing moves along zero.
+void forget_still(const DirectJoint& joint, DirectJoint::Rows<double>& values);
+
 /// The rates of a joint's rows at `velocities`, of what doesn't respond too.
 void find_rates(const std::vector<double>& velocities, const DirectJoint& joint, DirectJoint::Rows<double>& rates);
 /// Notes these of all joints, as those before a solution.

@@ -4,6 +4,7 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 
 #include "integrate/matrix3.h"
@@ -86,7 +87,14 @@ void IslandMatrix::add_masses(std::span<const DirectBody> bodies) {
       block[7 * k] = bodies[i].mass;
       for (int r = 0; r < 3; ++r) block[(3 + r) + 6 * (3 + k)] = bodies[i].inertia(r, k);
     }
+    constexpr double immovable = 1e12;  // times as heavy
+    for (unsigned rest = bodies[i].locks; rest != 0; rest &= rest - 1) block[7 * std::countr_zero(rest)] *= immovable;
   }
+}
+
+void IslandMatrix::solve_by_bodies(const IslandProblem& problem, std::span<double> b) const {
+  system_.solve(b);
+  leave_out_locked(problem.bodies, b);
 }
 
 // J^T K J, with K the derivative of the contact's impulses by its motion and J that of its motion by the velocities. K

@@ -73,7 +73,7 @@ double bend_of_tendon(const SolveInput& input, double time, double h, std::span<
 // drives by no more than its force: the velocities may be those of a blow, which it can't take up.
 void hold_late(RowLaw& law, double rate, int limit) {
   const bool driven = law.motor_impulse >= Law::unlimited && law.motor_slope == 0;
-  if (limit == 0 && !driven) return;
+  if (law.stiffness == 0 || (limit == 0 && !driven)) return;
   const double lock_rate = limit != 0 ? rate : law.motor_speed;
   law = {.locked = true, .stiffness = law.stiffness, .lock_rate = lock_rate};
 }
@@ -141,6 +141,7 @@ double find_bends(const SolveInput& input, double time, double h, std::span<Movi
       joint.bend[r] = (there.at.value - (joint.at[r].value + change)) / h;
     }
   }
+  for (DirectJoint& joint : problem.joints) forget_still(joint, joint.bend);
   const double swing = std::sqrt(square);
   if (swing > tuning::max_bend) {
     for (DirectJoint& joint : problem.joints) joint.bend = {};
@@ -277,8 +278,9 @@ bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<c
 
 void leave_out_tension(std::span<const MovingBody> bodies, IslandProblem& problem) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    problem.bodies[i].inertia = bodies[i].inertia;
-    problem.bodies[i].inverse_inertia = symmetric_inverse(bodies[i].inertia);
+    DirectBody& body = problem.bodies[i];
+    body.inertia = bodies[i].inertia;
+    body.inverse_inertia = inverse_inertia_with(body.locks, body.inertia);
   }
   forget_rows(problem);
 }

@@ -10,12 +10,15 @@ namespace atl::solver {
 namespace {
 
 double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Vector3& scale, const double (&a)[3], const double (&b)[3]) {
+  return scale[0] * (a[0] * b[0]) + scale[1] * (a[1] * b[1]) + scale[2] * (a[2] * b[2]);
+}
 
 // Adds what a body makes of a momentum, `sign` times, and takes it away.
 void answer(const DirectBody& body, double sign, double* momentum, double* velocity) {
   const Vector3 spin = product(body.inverse_inertia, Vector3(momentum[3], momentum[4], momentum[5]));
   for (int k = 0; k < 3; ++k) {
-    velocity[k] += sign * body.inverse_mass * momentum[k];
+    velocity[k] += sign * body.inverse_mass[k] * momentum[k];
     velocity[3 + k] += sign * spin[k];
     momentum[k] = momentum[3 + k] = 0;
   }
@@ -73,8 +76,15 @@ bool JointResponse::factor(IslandProblem& problem) {
 
 void JointResponse::fill_points(const IslandProblem& problem) {
   if (!assigns_) system_.clear();
-  for (std::size_t i = 0; i < nodes_.size(); ++i) fill_point(problem, problem.joints[i], nodes_[i]);
-  for (const Coupling& coupling : couplings_) fill_point_coupling(problem, coupling);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    fill_point(problem, problem.joints[i], nodes_[i]);
+    nodes_[i].idle = problem.joints[i].still;
+    if (nodes_[i].idle != 0) leave_out_rows(3, nodes_[i]);
+  }
+  for (const Coupling& coupling : couplings_) {
+    fill_point_coupling(problem, coupling);
+    leave_out_coupling(problem, coupling);
+  }
 }
 
 void JointResponse::fill(IslandProblem& problem) {
@@ -93,7 +103,7 @@ void JointResponse::take_laws(IslandProblem& problem) {
     nodes_[i].idle = 0;
     for (std::size_t r = 0; r < joint.rows; ++r, diagonal += joint.rows + 1) {
       const RowLaw& law = joint.law[r];
-      if (r < joint.point_rows() || law.locked) {
+      if (law.locked) {
         *diagonal += problem.lock_compliance * *diagonal;
         joint.factored[r] = 0;
         continue;
@@ -185,7 +195,7 @@ void JointResponse::add_answer(const IslandProblem& problem, const std::vector<d
 
 void JointResponse::fill_point(const IslandProblem& problem, const DirectJoint& joint, Node& node) {
   double diagonal[9] = {};
-  double inverse_mass = 0;
+  Vector3 inverse_mass = Vector3::Zero();
   const auto add = [&](std::uint32_t body, const Vector3& arm, Matrix3& point) {
     if (body == no_body) return;
     point = crossed(arm, problem.bodies[body].inverse_inertia);
@@ -197,8 +207,8 @@ void JointResponse::fill_point(const IslandProblem& problem, const DirectJoint& 
   };
   add(joint.first, joint.arm_first, node.point_first);
   add(joint.second, joint.arm_second, node.point_second);
-  for (std::size_t k = 0; k < 3; ++k) {
-    diagonal[4 * k] += inverse_mass;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    diagonal[4 * k] += inverse_mass[k];
     diagonal[4 * k] += problem.lock_compliance * diagonal[4 * k];
   }
   std::copy_n(diagonal, 9, system_.values(node.block));
@@ -210,7 +220,7 @@ void JointResponse::fill_point_coupling(const IslandProblem& problem, const Coup
   const DirectJoint& column = problem.joints[coupling.column];
   const Matrix3& response = coupling.row_second ? of_row.point_second : of_row.point_first;
   Matrix3 block = crossed_transpose(coupling.column_second ? column.arm_second : column.arm_first, response);
-  for (int k = 0; k < 3; ++k) block(k, k) += problem.bodies[coupling.body].inverse_mass;
+  for (int k = 0; k < 3; ++k) block(k, k) += problem.bodies[coupling.body].inverse_mass[k];
   double* values = system_.values(coupling.block);
   const double sign = coupling.row_second == coupling.column_second ? 1 : -1;
   for (int k = 0; k < 3; ++k) {
@@ -225,7 +235,9 @@ void JointResponse::fill_point_coupling(const IslandProblem& problem, const Coup
 void JointResponse::fill_rows(const IslandProblem& problem, const DirectJoint& joint, Node& node) {
   const DirectBody* const a = joint.first == no_body ? nullptr : &problem.bodies[joint.first];
   const DirectBody* const b = joint.second == no_body ? nullptr : &problem.bodies[joint.second];
-  const double inverse_mass = (a != nullptr ? a->inverse_mass : 0) + (b != nullptr ? b->inverse_mass : 0);
+  Vector3 inverse_mass = Vector3::Zero();
+  if (a != nullptr) inverse_mass += a->inverse_mass;
+  if (b != nullptr) inverse_mass += b->inverse_mass;
   const auto put = [](const Vector3& v, double(&to)[3]) {
     for (int k = 0; k < 3; ++k) to[k] = v[k];
   };
@@ -250,7 +262,7 @@ void JointResponse::fill_rows(const IslandProblem& problem, const DirectJoint& j
   double* const block = system_.values(node.block);
   for (std::size_t c = 0; c < n; ++c) {
     for (std::size_t r = c; r < n; ++r) {
-      block[r + n * c] = inverse_mass * dot(node.linear[r], node.linear[c]) + dot(node.first[r], node.answer_first[c]) +
+      block[r + n * c] = dot(inverse_mass, node.linear[r], node.linear[c]) + dot(node.first[r], node.answer_first[c]) +
                          dot(node.second[r], node.answer_second[c]);
     }
   }
@@ -262,9 +274,9 @@ void JointResponse::fill_coupling(const IslandProblem& problem, const Coupling& 
   const auto& own = coupling.row_second ? of_row.second : of_row.first;
   const auto& answer = coupling.column_second ? of_column.answer_second : of_column.answer_first;
   const double sign = coupling.row_second == coupling.column_second ? 1 : -1;
-  const double inverse_mass = sign * problem.bodies[coupling.body].inverse_mass;
+  const Vector3 inverse_mass = sign * problem.bodies[coupling.body].inverse_mass;
   for_each_value(problem, coupling, [&](std::size_t r, std::size_t c, double& value) {
-    value += inverse_mass * dot(of_row.linear[r], of_column.linear[c]) + sign * dot(own[r], answer[c]);
+    value += dot(inverse_mass, of_row.linear[r], of_column.linear[c]) + sign * dot(own[r], answer[c]);
   });
 }
 

@@ -2,6 +2,7 @@
 #include <solver/constraints/arm_stiffness.h>
 #include <solver/constraints/contact_inertia.h>
 #include <solver/direct/moving_bodies.h>
+#include <solver/integrate/motion_locks.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -34,7 +35,7 @@ void add_arm_stiffness(IslandProblem& problem, double scale, const Pull& pull) {
     add(joint.first, joint.arm_first, -on_second);
     add(joint.second, joint.arm_second, on_second);
   }
-  for (DirectBody& body : problem.bodies) body.inverse_inertia = symmetric_inverse(body.inertia);
+  for (DirectBody& body : problem.bodies) body.inverse_inertia = inverse_inertia_with(body.locks, body.inertia);
 }
 
 // kg, by the impulses of the closing motion: how a rod that pulls holds its ends from going aside.
@@ -63,13 +64,14 @@ bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandPr
     if (joined && moving.tumbles) moving.top = SplitTop(table.moments[body], table.principal_axes[body]);
     moving.now = moving.start = {table.position(body), table.orientation(body)};
     moving.body_inertia = table.inertia[body];
-    moving.acceleration = input.gravity * table.gravity_scale[body] + table.inverse_mass[body] * table.force(body);
+    moving.acceleration = linear_acceleration(table, body, input.gravity);
 
     DirectBody& of = problem.bodies[i];
     of.body = body;
-    of.inverse_mass = table.inverse_mass[body];
-    ATL_ASSERT(of.inverse_mass > 0, body, of.inverse_mass);
-    of.mass = 1 / of.inverse_mass;
+    of.locks = table.locks[body];
+    const double inverse_mass = table.inverse_mass[body];
+    ATL_ASSERT(inverse_mass > 0, body, inverse_mass);
+    of.weigh(1 / inverse_mass, inverse_mass);
     if (!joined && is_seen_heavier(table, body)) {
       const double swing = swing_in_contact(table, body, approach_speed(table, members, body), input.dt);
       of.inertia = inertia_in_contact(table, body, swing);
@@ -108,16 +110,16 @@ void add_closing_stiffness(const Joint* joints, IslandProblem& problem) {
     for (const std::uint32_t end : {joint.first, joint.second}) {
       if (end == no_body) continue;
       DirectBody& body = problem.bodies[end];
-      body.mass += 2 * stiffness;
-      body.inverse_mass = 1 / body.mass;
+      const double mass = body.mass + 2 * stiffness;
+      body.weigh(mass, 1 / mass);
     }
   }
 }
 
 void restore_masses(const BodyTable& table, IslandProblem& problem) {
   for (DirectBody& body : problem.bodies) {
-    body.inverse_mass = table.inverse_mass[body.body];
-    body.mass = 1 / body.inverse_mass;
+    const double inverse = table.inverse_mass[body.body];
+    body.weigh(1 / inverse, inverse);
   }
 }
 

@@ -17,7 +17,9 @@ bool ask(const IslandProblem& problem, std::vector<double>& rates, std::vector<d
   for (const DirectJoint& joint : problem.joints) {
     joint.rates_by(problem.velocity.data(), asked);
     const std::size_t points = joint.point_rows();
-    for (std::size_t r = 0; r < points; ++r) asked[r] = joint.law[r].lock_rate - asked[r] - joint.given[r];
+    for (std::size_t r = 0; r < points; ++r) {
+      asked[r] = joint.is_still(r) ? 0 : joint.law[r].lock_rate - asked[r] - joint.given[r];
+    }
     asked += points;
     done += points;
     for (std::size_t r = points; r < joint.rows; ++r, ++asked, ++done) {

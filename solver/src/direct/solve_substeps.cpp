@@ -18,9 +18,10 @@ namespace atl::solver {
 namespace {
 
 // rad/s^2, by the torque on a body.
-Vector3 turning(const BodyTable& table, std::uint32_t body, const MovingBody& moving) {
-  const Vector3 torque = table.torque(body);
-  return torque.isZero(0) ? Vector3::Zero().eval() : product(symmetric_inverse(moving.inertia), torque);
+Vector3 turning(const BodyTable& table, const DirectBody& body, const MovingBody& moving) {
+  const Vector3 torque = table.torque(body.body);
+  if (torque.isZero(0)) return Vector3::Zero();
+  return product(inverse_inertia_with(body.locks, moving.inertia), torque);
 }
 
 // True if a body turns other than by its spin alone.
@@ -42,7 +43,7 @@ void free_velocities_of_substep(const BodyTable& table, const std::vector<Moving
     }
     linear_part(problem.free, i) = (velocity + h * bodies[i].acceleration) / (1 + h * table.linear_damping[body]);
     angular_part(problem.free, i) =
-        (spin + h * turning(table, problem.bodies[i].body, bodies[i])) / (1 + h * table.angular_damping[body]);
+        (spin + h * turning(table, problem.bodies[i], bodies[i])) / (1 + h * table.angular_damping[body]);
   }
 }
 
@@ -94,6 +95,12 @@ bool has_loops(const IslandProblem& problem) {
     return joint.first == no_body || joint.second == no_body;
   });
   return problem.joints.size() - tendons > problem.bodies.size() - (anchored ? 0 : 1);
+}
+
+// Tells bodies that motion locks hold, as other joints would.
+bool has_locks(const IslandProblem& problem) {
+  return std::any_of(problem.bodies.begin(), problem.bodies.end(),
+                     [](const DirectBody& body) { return body.locks != 0; });
 }
 
 // Records the impulses of held rows after a linear solution.
@@ -173,7 +180,7 @@ bool Substeps::solve() {
 
 void Substeps::begin() {
   ATL_ASSERT(bodies_.size() == problem_.bodies.size(), bodies_.size(), problem_.bodies.size());
-  const bool gives = alone_ && has_loops(problem_);
+  const bool gives = alone_ && (has_loops(problem_) || has_locks(problem_));
   problem_.lock_compliance = gives        ? tuning::compliance_of_loops
                              : by_bodies_ ? tuning::compliance
                                           : tuning::compliance_of_trees;
@@ -193,7 +200,7 @@ void Substeps::kick(int sign) {
   problem_.free = problem_.velocity;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     linear_part(problem_.free, i) += (0.5 * sign * h_) * bodies_[i].acceleration;
-    angular_part(problem_.free, i) += (0.5 * sign * h_) * turning(input_.bodies, problem_.bodies[i].body, bodies_[i]);
+    angular_part(problem_.free, i) += (0.5 * sign * h_) * turning(input_.bodies, problem_.bodies[i], bodies_[i]);
   }
   conserved_.add_forces(problem_, bodies_);
   if (!rows_.acts && sign < 0) {

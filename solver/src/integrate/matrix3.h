@@ -1,6 +1,6 @@
 #pragma once
 
-#include <solver/integrate/body_table.h>
+#include <solver/integrate/motion_locks.h>
 
 // Products of 3 x 3 matrices, number by number. Eigen's go by pairs of numbers, and what is stored in pairs and loaded
 // one by one, or the other way round, is waited for: with these a chain is solved in three quarters of the time.
@@ -45,6 +45,12 @@ inline Matrix3 symmetric_inverse(const Matrix3& m) {
   inverse(2, 1) = inverse(1, 2) = over * zy;
   inverse(2, 2) = over * zz;
   return inverse;
+}
+
+/// The same on the axes that a body may turn about, and zero on the others.
+inline Matrix3 inverse_inertia_with(std::uint8_t locks, const Matrix3& inertia) {
+  const unsigned locked = angular_locks(locks);
+  return locked == 0 ? symmetric_inverse(inertia) : inverse_on_free_axes(locked, inertia);
 }
 
 /// to += scale * from.

@@ -60,6 +60,12 @@ inline Quaternion rotation_of(const DisplacementRows& displacement) {
   return {q[3], q[0], q[1], q[2]};
 }
 
+/// 1/kg, along the world's axes: 0 along those that a body is locked along.
+inline Vector3 inverse_mass_of(const SolverBodies& bodies, std::size_t local) {
+  const Vector3 all = Vector3::Constant(bodies.free_velocity[local].inverse_mass);
+  return bodies.locks.empty() ? all : all.cwiseProduct(get3(bodies.locks[local].free));
+}
+
 /// World frame.
 inline Matrix3 inverse_inertia_of(const SolverBodies& bodies, std::size_t local) {
   const VelocityRows& v = bodies.velocity[local];

@@ -150,13 +150,14 @@ class Holds {
   std::vector<Hold> holds_;
 };
 
-// True if solving joint by joint is not accurate enough. Bodies that hang on something swing for long, and machines
-// stand on something or hold their pose by servos; errors add up in both. A tendon's impulse has to reach over several
-// joints.
+// True if solving joint by joint is not accurate enough. Bodies that hang on something, or are locked along or about
+// axes, swing for long, and machines stand on something or hold their pose by servos; errors add up in both. A tendon's
+// impulse has to reach over several joints.
 bool asks_for_direct(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& bodies) {
   const auto asks = [&](const JointLink& link) {
-    return bodies.inverse_mass[link.first] == 0 || bodies.inverse_mass[link.second] == 0 ||
-           joints[link.joint].is_actuated() || joints[link.joint].is_tendon();
+    const auto holds = [&](std::uint32_t body) { return bodies.inverse_mass[body] == 0 || bodies.locks[body] != 0; };
+    return holds(link.first) || holds(link.second) || joints[link.joint].is_actuated() ||
+           joints[link.joint].is_tendon();
   };
   if (std::any_of(links.begin(), links.end(), asks) || Holds(links, joints, bodies).slow_each_other()) return true;
   if (links.size() <= tuning::long_chain) return false;

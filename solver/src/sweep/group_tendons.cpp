@@ -29,10 +29,9 @@ double correction_of(const PulledBodies& pulled, const SolverBodies& bodies) {
 
 void apply(const PulledBodies& pulled, double impulse, SolverBodies& bodies) {
   for (const PulledBody& body : pulled) {
-    const double inverse_mass = bodies.free_velocity[body.body].inverse_mass;
-    if (inverse_mass == 0) continue;
+    if (bodies.free_velocity[body.body].inverse_mass == 0) continue;
     VelocityRows& rows = bodies.velocity[body.body];
-    add3(rows.linear, impulse * inverse_mass * body.linear);
+    add3(rows.linear, impulse * inverse_mass_of(bodies, body.body).cwiseProduct(body.linear));
     add3(rows.angular, impulse * product(inverse_inertia_of(bodies, body.body), body.angular));
   }
 }
@@ -66,10 +65,9 @@ void GroupTendons::place(const JointStep& step, Tendon& tendon) {
   }
   tendon.response = 0;
   for (const PulledBody& body : tendon.pulled) {
-    const double inverse_mass = step.bodies.free_velocity[body.body].inverse_mass;
-    if (inverse_mass == 0) continue;
+    if (step.bodies.free_velocity[body.body].inverse_mass == 0) continue;
     tendon.moving = body.body;
-    tendon.response += inverse_mass * body.linear.squaredNorm() +
+    tendon.response += body.linear.dot(inverse_mass_of(step.bodies, body.body).cwiseProduct(body.linear)) +
                        body.angular.dot(product(inverse_inertia_of(step.bodies, body.body), body.angular));
   }
   ATL_ASSERT(!(tendon.response < 0), tendon.joint, tendon.response);

@@ -179,11 +179,8 @@ std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t loca
   body.velocity = velocity_of(rows, local);
   body.spin = spin_of(rows, local);
   body.acceleration = get3(rows.acceleration[local].linear);
-  body.inverse_mass.setConstant(rows.free_velocity[local].inverse_mass);
-  if (!rows.locks.empty()) {
-    body.inverse_mass.array() *= get3(rows.locks[local].free).array();
-    body.is_locked = rows.locks[local].kind != 0 && rows.locks[local].kind != -1;
-  }
+  body.inverse_mass = inverse_mass_of(rows, local);
+  body.is_locked = !rows.locks.empty() && rows.locks[local].kind != 0 && rows.locks[local].kind != -1;
   body.inverse_inertia = inverse_inertia_of(rows, local);
   body.tumbles = !rows.gyroscopic.empty() && rows.gyroscopic[local].active != 0;
   if (rows.shape.empty() || !(rows.shape[local].kind > 0)) return number;

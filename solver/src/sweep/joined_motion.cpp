@@ -28,6 +28,7 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
         ATL_ASSERT(place(body) < component_.size(), body, place(body), component_.size());
         ATL_ASSERT(component_[place(body)] == none || component_[place(body)] == number, body, number);
         component_[place(body)] = number;
+        components_[number].locked |= input.bodies.locks[body] != 0;
       } else {
         components_[number].anchored = true;
         components_[number].led |= input.bodies.mobility[body] == Mobility::Kinematic;

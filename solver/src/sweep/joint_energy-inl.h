@@ -33,7 +33,12 @@ inline void find_work(const SolverBodies& bodies, const VelocityRows* forced, Wo
       before_spin = before_spin + V3{add_spin.x, add_spin.y, add_spin.z};
     }
     const V mass = hn::Div(splat(1), free_v.w);
-    const SymmetricMatrix inertia = inverse_of({v.w, w.w, rest.x, rest.y, rest.z, rest.w});
+    const SymmetricMatrix inverse_inertia{v.w, w.w, rest.x, rest.y, rest.z, rest.w};
+    SymmetricMatrix inertia = inverse_of(inverse_inertia);
+    if (!bodies.locks.empty()) {
+      const M turns = hn::Eq(load_rows([&](std::size_t k) { return bodies.locks[i + k].free; }).w, splat(-1));
+      inertia = select(turns, inertia, inverse_of_what_acts(inverse_inertia));
+    }
     const V3 gained = V3{v.x, v.y, v.z} - before, gained_spin = V3{w.x, w.y, w.z} - before_spin;
     before = V3{start.x, start.y, start.z} + before;
     before_spin = V3{start_spin.x, start_spin.y, start_spin.z} + before_spin;

@@ -17,7 +17,7 @@ void JointEnergy::find_forced(const JointStep& step, const GroupJoints& joints, 
   forced_.assign(bodies.padded_count(), {});
   const auto add = [&](std::int32_t body, const Vector3& impulse, const Vector3& angular_impulse) {
     const auto local = static_cast<std::size_t>(body);
-    add3(forced_[local].linear, bodies.free_velocity[local].inverse_mass * impulse);
+    add3(forced_[local].linear, inverse_mass_of(bodies, local).cwiseProduct(impulse));
     add3(forced_[local].angular, product(inverse_inertia_of(bodies, local), angular_impulse));
   };
   joints.each_force(step, add);

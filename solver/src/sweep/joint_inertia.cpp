@@ -3,8 +3,6 @@
 #include <solver/sweep/joint_inertia.h>
 #include <solver/tuning.h>
 
-#include <Eigen/LU>
-
 #include "integrate/matrix3.h"
 #include "integrate/rows3.h"
 
@@ -24,7 +22,9 @@ void JointInertia::stiffen(const SolveInput& input, std::span<const std::uint32_
       continue;
     }
     const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
-    set_inverse_inertia(rows, first_dynamic_ + i, (rotation * own * rotation.transpose() + added).inverse());
+    set_inverse_inertia(rows, first_dynamic_ + i,
+                        inverse_inertia_with(input.bodies.locks[bodies[i]],
+                                             symmetric_product(product(rotation, own), rotation) + added));
   }
 }
 

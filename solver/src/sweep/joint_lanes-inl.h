@@ -19,7 +19,7 @@ using namespace jobs::HWY_NAMESPACE;
 // A block's joints from `lane` on, with their bodies.
 struct JointLanes {
   BodyLanes first, second;
-  V inverse_mass_first, inverse_mass_second;
+  V3 inverse_mass_first, inverse_mass_second;    // along the world's axes, of which some may be locked
   V3 start_velocity, start_first, start_second;  // of the second body against the first, and spins, as the step begins
 };
 
@@ -33,8 +33,8 @@ HWY_INLINE JointLanes load_joints(const JointKernelData& data, const JointBlock&
   };
   return {load_bodies(data.bodies, first),
           load_bodies(data.bodies, second),
-          load(block.inverse_mass[0] + lane),
-          load(block.inverse_mass[1] + lane),
+          load3(block.inverse_mass_first, lane),
+          load3(block.inverse_mass_second, lane),
           start_row(second, &VelocityRows::linear) - start_row(first, &VelocityRows::linear),
           start_row(first, &VelocityRows::angular),
           start_row(second, &VelocityRows::angular)};
@@ -48,9 +48,9 @@ HWY_INLINE void store_joint_bodies(const JointLanes& c, const JointKernelData& d
 
 // An impulse and angular impulses about the centres of mass, on the second body; the opposite on the first.
 HWY_INLINE void apply(JointLanes& c, const V3& linear, const V3& angular_first, const V3& angular_second) {
-  c.first.v = c.first.v - c.inverse_mass_first * linear;
+  c.first.v = c.first.v - change_by(c.inverse_mass_first, linear);
   c.first.w = c.first.w - c.first.inverse_inertia * angular_first;
-  c.second.v = c.second.v + c.inverse_mass_second * linear;
+  c.second.v = c.second.v + change_by(c.inverse_mass_second, linear);
   c.second.w = c.second.w + c.second.inverse_inertia * angular_second;
 }
 
@@ -91,16 +91,16 @@ HWY_INLINE SymmetricMatrix turning_response(const SymmetricMatrix& inverse_inert
 }
 
 // The inverse of a positive definite matrix, by its factors L D L^T: sums of squares on the diagonal, and nothing that
-// leaves single precision's range for bodies of any mass.
-HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k) {
-  const V one = splat(1);
-  const V e0 = hn::Div(one, k.xx);
+// leaves single precision's range for bodies of any mass. `inverse` is that of a pivot.
+template <typename Inverse>
+HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k, const Inverse& inverse) {
+  const V e0 = inverse(k.xx);
   const V l10 = hn::Mul(k.xy, e0);
   const V l20 = hn::Mul(k.xz, e0);
-  const V e1 = hn::Div(one, hn::Sub(k.yy, hn::Mul(l10, k.xy)));
+  const V e1 = inverse(hn::Sub(k.yy, hn::Mul(l10, k.xy)));
   const V rest = hn::Sub(k.yz, hn::Mul(l10, k.xz));
   const V l21 = hn::Mul(rest, e1);
-  const V e2 = hn::Div(one, hn::Sub(hn::Sub(k.zz, hn::Mul(l20, k.xz)), hn::Mul(l21, rest)));
+  const V e2 = inverse(hn::Sub(hn::Sub(k.zz, hn::Mul(l20, k.xz)), hn::Mul(l21, rest)));
   // The entries of L^-1 below the diagonal.
   const V m10 = hn::Neg(l10);
   const V m21 = hn::Neg(l21);
@@ -116,15 +116,57 @@ HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k) {
           yz};
 }
 
-// The inverse of K = J M^-1 J^T of the point.
-HWY_INLINE SymmetricMatrix point_mass(const JointLanes& c, const PointLanes& point) {
-  const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
-  const V diagonal = hn::IfThenElse(hn::Eq(inverse_mass, zero()), splat(1), inverse_mass);
+HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k) {
+  return inverse_of(k, [](V pivot) { return hn::Div(splat(1), pivot); });
+}
+
+// Joints with a body that is locked along or about an axis.
+HWY_INLINE M with_locks(const SolverBodies& bodies, const JointLanes& c) {
+  if (bodies.locks.empty()) return hn::Lt(zero(), zero());
+  const auto has_locks = [&](const std::int32_t* index) {
+    const V4 free = load_free_axes(bodies, index);
+    const M moves = hn::Gt(hn::Mul(hn::Mul(free.x, free.y), free.z), zero());
+    return hn::Or(hn::Not(moves), hn::Lt(free.w, splat(-1)));
+  };
+  return hn::Or(has_locks(c.first.index), has_locks(c.second.index));
+}
+
+// The smallest response that isn't rounding beside one of such a size.
+HWY_INLINE V min_response_of(V size) { return hn::Mul(splat(static_cast<float>(tuning::min_response_share)), size); }
+
+// The inverse of a matrix on what isn't rounding of it, and zero on the rest.
+HWY_INLINE SymmetricMatrix inverse_of_what_acts(const SymmetricMatrix& k) {
+  const V min = min_response_of(hn::Add(hn::Add(k.xx, k.yy), k.zz));
+  return inverse_of(k, [=](V pivot) {
+    const M acts = hn::Gt(pivot, min);
+    return hn::IfThenElseZero(acts, hn::Div(splat(1), hn::IfThenElse(acts, pivot, splat(1))));
+  });
+}
+
+HWY_INLINE SymmetricMatrix select(M mask, const SymmetricMatrix& yes, const SymmetricMatrix& no) {
+  const auto pick = [=](V a, V b) { return hn::IfThenElse(mask, a, b); };
+  return {pick(yes.xx, no.xx), pick(yes.yy, no.yy), pick(yes.zz, no.zz),
+          pick(yes.xy, no.xy), pick(yes.xz, no.xz), pick(yes.yz, no.yz)};
+}
+
+// The inverse of K = J M^-1 J^T of the point. Where motion locks leave nothing that moves, it has no part.
+HWY_INLINE SymmetricMatrix point_mass(const SolverBodies& bodies, const JointLanes& c, const PointLanes& point) {
+  const V3 inverse_mass = c.inverse_mass_first + c.inverse_mass_second;
   const SymmetricMatrix a = turning_response(c.first.inverse_inertia, point.arm_first);
   const SymmetricMatrix b = turning_response(c.second.inverse_inertia, point.arm_second);
-  return inverse_of({hn::Add(diagonal, hn::Add(a.xx, b.xx)), hn::Add(diagonal, hn::Add(a.yy, b.yy)),
-                     hn::Add(diagonal, hn::Add(a.zz, b.zz)), hn::Add(a.xy, b.xy), hn::Add(a.xz, b.xz),
-                     hn::Add(a.yz, b.yz)});
+  const auto matrix = [&](const V3& diagonal) {
+    return SymmetricMatrix{hn::Add(diagonal.x, hn::Add(a.xx, b.xx)),
+                           hn::Add(diagonal.y, hn::Add(a.yy, b.yy)),
+                           hn::Add(diagonal.z, hn::Add(a.zz, b.zz)),
+                           hn::Add(a.xy, b.xy),
+                           hn::Add(a.xz, b.xz),
+                           hn::Add(a.yz, b.yz)};
+  };
+  const M none = hn::Eq(hn::Add(hn::Add(inverse_mass.x, inverse_mass.y), inverse_mass.z), zero());
+  const M locked = with_locks(bodies, c);
+  const SymmetricMatrix mass = inverse_of(matrix(select(none, {splat(1), splat(1), splat(1)}, inverse_mass)));
+  if (hn::AllFalse(D(), locked)) return mass;
+  return select(locked, inverse_of_what_acts(matrix(inverse_mass)), mass);
 }
 
 HWY_INLINE void store_matrix(const SymmetricMatrix& m, float (*rows)[block_lanes], std::size_t lane) {
@@ -170,7 +212,7 @@ HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, st
   store3(carried_second, block.carried_second, lane);
   store3(now.arm_first, block.arm_first, lane);
   store3(now.arm_second, block.arm_second, lane);
-  store_matrix(point_mass(c, now), block.mass, lane);
+  store_matrix(point_mass(data.bodies, c, now), block.mass, lane);
 }
 
 }  // namespace HWY_NAMESPACE

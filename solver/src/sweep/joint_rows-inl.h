@@ -27,13 +27,14 @@ struct RowLanes {
   V3 linear, first, second;
   V3 turned_first, turned_second;
   V response;
+  V floor;  // a response up to which is rounding, of bodies with motion locks; else 0
   V gap;
 };
 
-HWY_INLINE void set_response(const JointLanes& c, V inverse_mass, RowLanes& row) {
+HWY_INLINE void set_response(const JointLanes& c, const V3& inverse_mass, RowLanes& row) {
   row.turned_first = c.first.inverse_inertia * row.first;
   row.turned_second = c.second.inverse_inertia * row.second;
-  row.response = hn::Add(hn::Mul(inverse_mass, dot(row.linear, row.linear)),
+  row.response = hn::Add(dot(change_by(inverse_mass, row.linear), row.linear),
                          hn::Add(dot(row.first, row.turned_first), dot(row.second, row.turned_second)));
 }
 
@@ -47,16 +48,27 @@ HWY_INLINE void keep(M mask, const RowLanes& with, RowLanes& row) {
   row.gap = hn::IfThenElse(mask, with.gap, row.gap);
 }
 
-// True if enough of a row's response is left for it to exceed rounding.
-HWY_INLINE M enough(V left, V response) {
-  return hn::Gt(left, hn::Mul(splat(static_cast<float>(tuning::min_response_share)), response));
+// True if enough of a row's response is left for it to exceed rounding. Motion locks may leave nothing of it, and the
+// row is left out then.
+HWY_INLINE M enough(const RowLanes& left, const RowLanes& row) {
+  return hn::Or(hn::Gt(left.response, min_response_of(row.response)), hn::Gt(row.floor, zero()));
+}
+
+// The response that a row would have if its bodies could turn about all axes as about that which is easiest, and move
+// likewise.
+HWY_INLINE V response_without_locks(const JointLanes& c, const V3& inverse_mass, const RowLanes& row) {
+  const auto trace = [](const SymmetricMatrix& m) { return hn::Add(hn::Add(m.xx, m.yy), m.zz); };
+  const V moves = hn::Add(hn::Add(inverse_mass.x, inverse_mass.y), inverse_mass.z);
+  return hn::Add(hn::Mul(moves, dot(row.linear, row.linear)),
+                 hn::Add(hn::Mul(trace(c.first.inverse_inertia), dot(row.first, row.first)),
+                         hn::Mul(trace(c.second.inverse_inertia), dot(row.second, row.second))));
 }
 
 // The mass of the point is that of where it was a substep ago: rows are nearly orthogonal to it then.
-HWY_INLINE void hold_point(const JointLanes& c, V inverse_mass, const FrameLanes& frames, const SymmetricMatrix& mass,
-                           M acts, RowLanes& row) {
+HWY_INLINE void hold_point(const JointLanes& c, const V3& inverse_mass, const FrameLanes& frames,
+                           const SymmetricMatrix& mass, M acts, RowLanes& row) {
   const PointLanes& point = frames.point;
-  const V3 rate = inverse_mass * row.linear +
+  const V3 rate = change_by(inverse_mass, row.linear) +
                   (cross(row.turned_second, point.arm_second) + cross(row.turned_first, point.arm_first));
   const V3 hold = splat(-1) * (mass * rate);
   RowLanes with;
@@ -65,11 +77,11 @@ HWY_INLINE void hold_point(const JointLanes& c, V inverse_mass, const FrameLanes
   with.second = row.second + cross(point.arm_second, hold);
   with.gap = hn::Add(row.gap, dot(hold, frames.offset));
   set_response(c, inverse_mass, with);
-  keep(hn::And(acts, enough(with.response, row.response)), with, row);
+  keep(hn::And(acts, enough(with, row)), with, row);
 }
 
-HWY_INLINE void hold_locked(V inverse_mass, const RowLanes& by, M acts, RowLanes& row) {
-  const V part = hn::Div(hn::Add(hn::Mul(inverse_mass, dot(row.linear, by.linear)),
+HWY_INLINE void hold_locked(const V3& inverse_mass, const RowLanes& by, M acts, RowLanes& row) {
+  const V part = hn::Div(hn::Add(dot(change_by(inverse_mass, row.linear), by.linear),
                                  hn::Add(dot(row.first, by.turned_first), dot(row.second, by.turned_second))),
                          by.response);
   RowLanes with;
@@ -80,7 +92,7 @@ HWY_INLINE void hold_locked(V inverse_mass, const RowLanes& by, M acts, RowLanes
   with.turned_second = row.turned_second - part * by.turned_second;
   with.response = hn::Sub(row.response, hn::Mul(hn::Mul(part, part), by.response));
   with.gap = hn::Sub(row.gap, hn::Mul(part, by.gap));
-  keep(hn::And(acts, enough(with.response, row.response)), with, row);
+  keep(hn::And(acts, enough(with, row)), with, row);
 }
 
 // The impulses of all rows together, along the rows as they are.
@@ -235,7 +247,7 @@ HWY_INLINE void store_row(const RowLanes& row, M acts, std::size_t lane, JointRo
 HWY_INLINE void hold_rows(const JointBlock& block, const JointLanes& c, const FrameLanes& frames, std::size_t lane,
                           const JointCoordinateBlock* of, const M (&acts)[max_joint_rows],
                           RowLanes (&rows)[max_joint_rows]) {
-  const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
+  const V3 inverse_mass = c.inverse_mass_first + c.inverse_mass_second;
   const auto locked = [=](std::size_t r) { return hn::Gt(load(of[r].locked + lane), zero()); };
   // A free coordinate well within its range has no impulse in this substep, or a little of it.
   const V idle = splat(static_cast<float>(tuning::max_closing));
@@ -250,7 +262,7 @@ HWY_INLINE void hold_rows(const JointBlock& block, const JointLanes& c, const Fr
     for (std::size_t r = 0; r < block.rows; ++r) hold_point(c, inverse_mass, frames, mass, stirs[r], rows[r]);
   }
   for (std::size_t held = 0; held < block.rows; ++held) {
-    const M holds = hn::And(hn::And(locked(held), acts[held]), hn::Gt(rows[held].response, zero()));
+    const M holds = hn::And(hn::And(locked(held), acts[held]), hn::Gt(rows[held].response, rows[held].floor));
     if (hn::AllFalse(D(), holds)) continue;
     for (std::size_t r = 0; r < block.rows; ++r) {
       if (r == held) continue;
@@ -273,7 +285,8 @@ inline void refresh_rows(const JointKernelData& data, bool moved, std::size_t be
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       const JointLanes c = load_joints(data, block, lane);
       const FrameLanes frames = frames_now(data, block, data.frames[b], lane, c);
-      const V inverse_mass = hn::Add(c.inverse_mass_first, c.inverse_mass_second);
+      const V3 inverse_mass = c.inverse_mass_first + c.inverse_mass_second;
+      const M with = with_locks(data.bodies, c);
       const V ratio = load(data.frames[b].ratio + lane);
       RowLanes rows[max_joint_rows];
       M acts[max_joint_rows];
@@ -288,13 +301,15 @@ inline void refresh_rows(const JointKernelData& data, bool moved, std::size_t be
         const M locked = hn::Gt(load(of[r].locked + lane), zero());
         rows[r].gap = hn::IfThenElseZero(locked, hn::Sub(found.value, load(of[r].lower + lane)));
         acts[r] = hn::And(hn::Ge(load(of[r].coordinate + lane), zero()), hn::IsFinite(found.value));
+        rows[r].floor = hn::IfThenElseZero(with, min_response_of(response_without_locks(c, inverse_mass, rows[r])));
       }
       hold_rows(block, c, frames, lane, of, acts, rows);
       const ImpulseLanes before = impulse_of(data, block, lane);
       for (std::size_t r = 0; r < block.rows; ++r) {
         const V response = rows[r].response;
         set_law(data.constants, block, of[r], rows[r], lane, to[r]);
-        store_row(rows[r], hn::And(acts[r], hn::And(hn::Gt(response, zero()), hn::IsFinite(response))), lane, to[r]);
+        store_row(rows[r], hn::And(acts[r], hn::And(hn::Gt(response, rows[r].floor), hn::IsFinite(response))), lane,
+                  to[r]);
       }
       const ImpulseLanes now = impulse_of(data, block, lane);
       store3(moved ? now.linear - before.linear : none, block.carried_linear, lane);

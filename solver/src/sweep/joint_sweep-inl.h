@@ -27,17 +27,20 @@ inline void prepare_joints(const JointKernelData& data, std::size_t begin, std::
   for (std::size_t b = begin; b < end; ++b) {
     JointBlock& block = data.blocks[b];
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
-      const auto inverse_mass_of = [&](const std::int32_t* index) {
-        return load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
+      const auto store_inverse_mass = [&](const std::int32_t* index, float(&to)[3][block_lanes]) {
+        const V mass = load_rows([=](std::size_t k) { return free_velocity[index[k]].linear; }).w;
+        if (data.bodies.locks.empty()) return store3({mass, mass, mass}, to, lane);
+        const V4 free = load_free_axes(data.bodies, index);
+        store3(mass * V3{free.x, free.y, free.z}, to, lane);
       };
-      store(inverse_mass_of(block.first + lane), block.inverse_mass[0] + lane);
-      store(inverse_mass_of(block.second + lane), block.inverse_mass[1] + lane);
+      store_inverse_mass(block.first + lane, block.inverse_mass_first);
+      store_inverse_mass(block.second + lane, block.inverse_mass_second);
       if (block.point == 0) continue;
       const PointLanes point{load3(block.start_arm_first, lane), load3(block.start_arm_second, lane)};
       store3(point.arm_first, block.arm_first, lane);
       store3(point.arm_second, block.arm_second, lane);
       store3(load3(block.start_offset, lane), block.offset, lane);
-      store_matrix(point_mass(load_joints(data, block, lane), point), block.mass, lane);
+      store_matrix(point_mass(data.bodies, load_joints(data, block, lane), point), block.mass, lane);
     }
   }
 }

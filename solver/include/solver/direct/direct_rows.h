@@ -26,11 +26,14 @@ inline auto angular_part(std::vector<double>& of, std::size_t body) { return Eig
 /// A body as a direct solve sees it.
 struct DirectBody {
   std::uint32_t body = 0;
+  std::uint8_t locks = 0;   ///< see motion_locks.h
   double mass = 0;          ///< kg
-  double inverse_mass = 0;  ///< 1/kg
   double radius = 0;        ///< m, of gyration
+  Vector3 inverse_mass;     ///< 1/kg, along the world's axes: 0 along those that are locked
   Matrix3 inertia;          ///< kg m^2, world frame
-  Matrix3 inverse_inertia;  ///< likewise
+  Matrix3 inverse_inertia;  ///< likewise, on the axes that it may turn about
+
+  void weigh(double mass_now, double inverse);
 
   /// N s and N m s: M times six numbers of velocity, linear and angular.
   std::array<double, 6> momentum(const double* velocity) const {
@@ -104,6 +107,7 @@ struct DirectJoint {
   bool point;                             ///< the first three rows are those of a point, along the world's axes
   std::size_t rows;
   std::uint8_t locks;   ///< by row, a bit where its law does nothing but hold it
+  std::uint8_t still;   ///< likewise where motion locks of bodies let nothing move: see find_still()
   Rows<JointRow> at;    ///< but for those of the point, which its arms tell: see row()
   Rows<double> mass;    ///< kg or kg m^2, effective; of locks where the matrix is by bodies
   Rows<double> joined;  ///< by how much heavier springs' coordinates are with all that is joined: see weigh_joined()
@@ -138,6 +142,7 @@ struct DirectJoint {
   void move_terms(const std::vector<double>& velocities, double time);
   std::size_t point_rows() const { return point ? 3 : 0; }
   bool is_lock(std::size_t row) const { return (locks >> row & 1) != 0; }
+  bool is_still(std::size_t row) const { return (still >> row & 1) != 0; }
   JointRow row(std::size_t r) const;
   RowMass row_mass(std::size_t r) const { return {.alone = mass[r], .joined = joined[r] * mass[r]}; }
   /// m/s or rad/s: what velocities add to the rate `start` of a row beside the point's.

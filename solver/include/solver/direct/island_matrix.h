@@ -33,7 +33,7 @@ class IslandMatrix {
 
   /// Replaces b by what the factor makes of it.
   void solve(const IslandProblem& problem, std::span<double> b) const {
-    joints_.empty() ? system_.solve(b) : joints_.solve(problem, b);
+    joints_.empty() ? solve_by_bodies(problem, b) : joints_.solve(problem, b);
   }
 
   /// The response of joints, if the problem is of these alone and solved by it; else null.
@@ -51,6 +51,7 @@ class IslandMatrix {
   void add_stiffness(const DirectContact& contact, const std::array<Six, 6>& k);
   void add_stiffness(DirectJoint& joint, Rows rows);
   void add_tendon(DirectJoint& tendon);
+  void solve_by_bodies(const IslandProblem& problem, std::span<double> b) const;
 
   BlockLdlt system_;
   std::vector<double> placed_;  // its values as they are filled

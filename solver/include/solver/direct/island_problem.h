@@ -3,7 +3,9 @@
 #include <jobs/arrays.h>
 #include <solver/direct/direct_rows.h>
 
+#include <bit>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace atl::solver {
@@ -39,6 +41,15 @@ struct IslandProblem {
   auto arrays() const { return std::tie(bodies, contacts, joints, velocity, free); }
 };
 
+/// Leaves out of six numbers a body those along and about the axes that it is locked on.
+inline void leave_out_locked(const std::vector<DirectBody>& bodies, std::span<double> values) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (unsigned rest = bodies[i].locks; rest != 0; rest &= rest - 1) {
+      values[6 * i + static_cast<std::size_t>(std::countr_zero(rest))] = 0;
+    }
+  }
+}
+
 /// Takes the motions of contacts and the rates of joints at the problem's velocities, with the impulses that these
 /// answer with, contacts by `answer(contact)` and rows of joints by `push(joint, row, rate)`. Makes `gradient` that of
 /// the function, N s and N m s: what of M (v - v*) the impulses leave.
@@ -64,6 +75,7 @@ void balance(IslandProblem& problem, std::vector<double>& gradient, const Answer
     }
     joint.add_impulses(against.data(), gradient.data());
   }
+  leave_out_locked(problem.bodies, gradient);
 }
 
 /// m/s: the largest part of a body's velocity that the impulses on it don't account for.

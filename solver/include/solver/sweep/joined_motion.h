@@ -27,7 +27,7 @@ class JoinedMotion {
   bool falls(std::size_t body) const {
     if (!is_joined(body)) return false;
     const Component& component = components_[component_[body]];
-    return !component.direct && !component.touched && !component.anchored;
+    return !component.direct && !component.touched && !component.anchored && !component.locked;
   }
   /// Joined one by one, and touched by nothing.
   bool follows(std::size_t body) const {
@@ -63,8 +63,9 @@ class JoinedMotion {
     bool direct = false;
     bool touched = false;
     bool anchored = false;
-    bool led = false;  // by something kinematic
-    double mass = 0;   // kg
+    bool led = false;     // by something kinematic
+    bool locked = false;  // a body, along or about axes
+    double mass = 0;      // kg
     Vector3 acceleration = Vector3::Zero();
   };
 

@@ -26,10 +26,11 @@ struct alignas(64) JointBlock {
   // The members from here on are set in blocks with a point, by the last sweep that refreshed them.
   Lanes<3> arm_first;  ///< m, of the frame's origin from the centre of mass
   Lanes<3> arm_second;
-  Lanes<3> offset;         ///< m, from the first frame's origin to the second's
-  Lanes<6> mass;           ///< kg, inverse of K = J M^-1 J^T: xx, yy, zz, xy, xz, yz
-  Lanes<3> impulse;        ///< N s, on the second body
-  Lanes<2> inverse_mass;   ///< 1/kg
+  Lanes<3> offset;              ///< m, from the first frame's origin to the second's
+  Lanes<6> mass;                ///< kg, inverse of K = J M^-1 J^T: xx, yy, zz, xy, xz, yz
+  Lanes<3> impulse;             ///< N s, on the second body
+  Lanes<3> inverse_mass_first;  ///< 1/kg, along the world's axes: 0 where a body is locked
+  Lanes<3> inverse_mass_second;
   Lanes<3> carried_first;  ///< N m s, see joint_sweep-inl.h: what turning made of the impulses that are carried over
   Lanes<3> carried_second;
 
