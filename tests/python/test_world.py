@@ -34,6 +34,7 @@ def test_definitions_have_the_defaults_of_cpp() -> None:
     assert body.material.friction == 0.6
     assert list(body.orientation) == [0, 0, 0, 1]
     assert atoll.Settings().substeps == 4
+    assert [atoll.WheelCoordinate.SUSPENSION, atoll.WheelCoordinate.SPIN] == [0, 2], "as JointState numbers them"
     spring = atoll.WheelJoint().suspension.spring
     assert spring is not None and spring.hertz == 2
 

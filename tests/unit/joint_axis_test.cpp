@@ -61,6 +61,39 @@ TEST(JointAxes, AServosTargetIsOneNumber) {
   EXPECT_FALSE(rig.world.joint_axis(lift, 2).motor);
 }
 
+// Each name leads to the axis that the kind has by it.
+TEST(JointAxes, CoordinatesHaveNames) {
+  Rig rig;
+  const auto add = [&](const JointKind& kind) {
+    return rig.world.add_joint({.kind = kind, .first = rig.base, .second = rig.arm});
+  };
+  const auto armature = [&](JointId joint, std::uint32_t number) {
+    return rig.world.joint_axis(joint, number).armature;
+  };
+  WheelJoint wheel;
+  wheel.suspension.armature = 1;
+  wheel.steering.armature = 2;
+  wheel.spin.armature = 3;
+  const JointId at_wheel = add(wheel);
+  EXPECT_EQ(armature(at_wheel, WheelCoordinate::Suspension), 1);
+  EXPECT_EQ(armature(at_wheel, WheelCoordinate::Steering), 2);
+  EXPECT_EQ(armature(at_wheel, WheelCoordinate::Spin), 3);
+  SixDofJoint six;
+  for (std::size_t i = 0; i < 3; ++i) {
+    six.offset[i].armature = static_cast<double>(1 + i);
+    six.turn[i].armature = static_cast<double>(4 + i);
+  }
+  const JointId at_six = add(six);
+  EXPECT_EQ(armature(at_six, SixDofCoordinate::OffsetX), 1);
+  EXPECT_EQ(armature(at_six, SixDofCoordinate::OffsetZ), 3);
+  EXPECT_EQ(armature(at_six, SixDofCoordinate::TurnX), 4);
+  EXPECT_EQ(armature(at_six, SixDofCoordinate::TurnZ), 6);
+  const JointId at_cross = add(UniversalJoint{{.armature = 1}, {.armature = 2}});
+  EXPECT_EQ(armature(at_cross, UniversalCoordinate::First), 1);
+  EXPECT_EQ(armature(at_cross, UniversalCoordinate::Second), 2);
+  EXPECT_EQ(armature(add(ConeTwistJoint{.twist = {.armature = 2}}), ConeTwistCoordinate::Twist), 2);
+}
+
 // It goes from the end where it starts to the other, and stays there: no force is given that has no bound.
 TEST(JointAxes, AMotorWithoutABoundKeepsToItsRange) {
   for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {

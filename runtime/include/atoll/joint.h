@@ -253,6 +253,20 @@ struct TendonJoint {
   bool operator==(const TendonJoint&) const = default;
 };
 
+/// Coordinates of kinds that have several, as JointState and calls of World number them. Of other kinds it is 0.
+struct UniversalCoordinate {
+  enum Number : std::uint32_t { First, Second };
+};
+struct ConeTwistCoordinate {
+  enum Number : std::uint32_t { Swing, Twist };
+};
+struct SixDofCoordinate {
+  enum Number : std::uint32_t { OffsetX, OffsetY, OffsetZ, TurnX, TurnY, TurnZ };
+};
+struct WheelCoordinate {
+  enum Number : std::uint32_t { Suspension, Steering, Spin };
+};
+
 using JointKind = std::variant<BallJoint, HingeJoint, SliderJoint, FixedJoint, DistanceJoint, UniversalJoint,
                                ConeTwistJoint, SixDofJoint, GearJoint, WheelJoint, TendonJoint>;
 

@@ -130,6 +130,24 @@ void bind_joints(nb::module_& module) {
               Field{"position", &JointState::position, "m or rad, of the coordinates in the order that its kind names"},
               Field{"speed", &JointState::speed, "m/s or rad/s"},
               Field{"motor", &JointState::motor, "N or N m, what motors and servos exert along the coordinates"});
+  const char* numbers = "Coordinates by number, as JointState and calls of World have them.";
+  nb::enum_<UniversalCoordinate::Number>(module, "UniversalCoordinate", numbers, nb::is_arithmetic())
+      .value("FIRST", UniversalCoordinate::First)
+      .value("SECOND", UniversalCoordinate::Second);
+  nb::enum_<ConeTwistCoordinate::Number>(module, "ConeTwistCoordinate", numbers, nb::is_arithmetic())
+      .value("SWING", ConeTwistCoordinate::Swing)
+      .value("TWIST", ConeTwistCoordinate::Twist);
+  nb::enum_<SixDofCoordinate::Number>(module, "SixDofCoordinate", numbers, nb::is_arithmetic())
+      .value("OFFSET_X", SixDofCoordinate::OffsetX)
+      .value("OFFSET_Y", SixDofCoordinate::OffsetY)
+      .value("OFFSET_Z", SixDofCoordinate::OffsetZ)
+      .value("TURN_X", SixDofCoordinate::TurnX)
+      .value("TURN_Y", SixDofCoordinate::TurnY)
+      .value("TURN_Z", SixDofCoordinate::TurnZ);
+  nb::enum_<WheelCoordinate::Number>(module, "WheelCoordinate", numbers, nb::is_arithmetic())
+      .value("SUSPENSION", WheelCoordinate::Suspension)
+      .value("STEERING", WheelCoordinate::Steering)
+      .value("SPIN", WheelCoordinate::Spin);
   nb::enum_<JointEventKind>(module, "JointEventKind", "What happened to a joint.")
       .value("BROKE", JointEventKind::Broke)
       .value("REACHED_LIMIT", JointEventKind::ReachedLimit)
