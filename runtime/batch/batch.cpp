@@ -231,10 +231,21 @@ void Batch::save_start(std::span<const std::size_t> places) {
 }
 
 void Batch::read(Column column, std::span<double> numbers) const {
-  const std::size_t a_world = rows_of(column) * count_in(column, *this);
-  check_size("read", "a column", numbers.size(), a_world * size());
-  impl_->for_each(impl_->worlds, "read", {}, [&](const World& world, std::size_t place, std::size_t) {
-    read_column(world, *this, column, numbers.data() + place * a_world);
+  read_columns(*this, std::span(&column, 1), std::span(&numbers, 1));
+}
+
+void read_columns(const Batch& batch, std::span<const Batch::Column> columns,
+                  std::span<const std::span<double>> numbers, std::span<const std::size_t> places) {
+  check_size("read", "arrays", numbers.size(), columns.size());
+  std::vector<std::size_t> a_world;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    a_world.push_back(Batch::rows_of(columns[c]) * count_in(columns[c], batch));
+    check_size("read", "a column", numbers[c].size(), a_world[c] * batch.impl_->count_of(places));
+  }
+  batch.impl_->for_each(batch.impl_->worlds, "read", places, [&](const World& world, std::size_t, std::size_t i) {
+    std::vector<double*> to;
+    for (std::size_t c = 0; c < columns.size(); ++c) to.push_back(numbers[c].data() + i * a_world[c]);
+    read_columns(world, batch, columns, to);
   });
 }
 

@@ -35,14 +35,19 @@ void read_body(const World& world, BodyId body, Batch::Column column, std::size_
   }
 }
 
-void read_joint(const World& world, JointId joint, Batch::Column column, std::size_t rows, double* to) {
-  const JointState state = world.joint_state(joint);
-  const double* from = column == Batch::Column::JointPositions ? state.position.data()
-                       : column == Batch::Column::JointSpeeds  ? state.speed.data()
-                       : column == Batch::Column::JointMotors  ? state.motor.data()
-                       : column == Batch::Column::JointForces  ? state.force.data()
-                                                               : state.torque.data();
-  std::copy_n(from, rows, to);
+const double* numbers_of(const JointState& state, Batch::Column column) {
+  switch (column) {
+    case Batch::Column::JointPositions:
+      return state.position.data();
+    case Batch::Column::JointSpeeds:
+      return state.speed.data();
+    case Batch::Column::JointMotors:
+      return state.motor.data();
+    case Batch::Column::JointForces:
+      return state.force.data();
+    default:
+      return state.torque.data();
+  }
 }
 
 }  // namespace
@@ -60,20 +65,27 @@ std::vector<std::size_t> numbers_of(const Batch& batch, std::span<const std::siz
   return numbers;
 }
 
-void read_column(const World& world, const Batch& batch, Batch::Column column, double* to) {
-  const std::size_t rows = Batch::rows_of(column);
-  const auto read_all = [&](const auto& ids, const auto& read) {
-    for (const auto id : ids) {
-      if (world.contains(id)) {
-        read(world, id, column, rows, to);
-      } else {
-        std::fill_n(to, rows, 0.0);
-      }
-      to += rows;
+void read_columns(const World& world, const Batch& batch, std::span<const Batch::Column> columns,
+                  std::span<double* const> to) {
+  bool of_joints = false;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const std::size_t rows = Batch::rows_of(columns[c]);
+    std::fill_n(to[c], rows * count_in(columns[c], batch), 0.0);
+    of_joints |= is_of_joints(columns[c]);
+    if (is_of_joints(columns[c])) continue;
+    for (std::size_t i = 0; i < batch.bodies().size(); ++i) {
+      if (world.contains(batch.bodies()[i])) read_body(world, batch.bodies()[i], columns[c], rows, to[c] + rows * i);
     }
-  };
-  if (is_of_joints(column)) return read_all(batch.joints(), read_joint);
-  read_all(batch.bodies(), read_body);
+  }
+  if (!of_joints) return;
+  for (std::size_t i = 0; i < batch.joints().size(); ++i) {
+    if (!world.contains(batch.joints()[i])) continue;
+    const JointState state = world.joint_state(batch.joints()[i]);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const std::size_t rows = Batch::rows_of(columns[c]);
+      if (is_of_joints(columns[c])) std::copy_n(numbers_of(state, columns[c]), rows, to[c] + rows * i);
+    }
+  }
 }
 
 }  // namespace atl

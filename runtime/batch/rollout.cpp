@@ -267,14 +267,16 @@ std::vector<std::vector<double>> roll_out(Batch& batch, const Rollout& rollout, 
   batch.for_each(
       [&](World& world, std::size_t place) {
         const double* now = given.of(place);
+        std::vector<double*> to(kept.size());
         for (std::size_t step = 0; step < rollout.steps; ++step, now += given.width) {
           make_step(batch, rollout, now, world);
           for (std::size_t i = 0; i < kept.size(); ++i) {
             const std::size_t size = Batch::rows_of(rollout.keep[i]) * count_in(rollout.keep[i], batch);
             const std::size_t before = given.numbers[place] * rollout.steps + step;
             ATL_ASSERT((before + 1) * size <= kept[i].size(), place, step, i, before, kept[i].size());
-            read_column(world, batch, rollout.keep[i], kept[i].data() + before * size);
+            to[i] = kept[i].data() + before * size;
           }
+          read_columns(world, batch, rollout.keep, to);
         }
       },
       places);

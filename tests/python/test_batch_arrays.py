@@ -33,6 +33,19 @@ def test_arrays_are_read_as_the_numbers_that_are_asked_for() -> None:
         batch.read("speeds")
 
 
+def test_several_arrays_are_read_as_one_by_one() -> None:
+    batch = atoll.Batch("slider-crank", WORLDS)
+    batch.step(count=3)
+    names = ["joint_speeds", "orientations", "joint_forces", "positions"]
+    for name, numbers in zip(names, batch.read_all(names), strict=True):
+        assert np.array_equal(numbers, batch.read(name)), name
+    for name, numbers in zip(names, batch.read_all(names, np.float32, worlds=[3, 0]), strict=True):
+        assert np.array_equal(numbers, batch.read(name, np.float32)[[3, 0]]), name
+    assert [of.shape[0] for of in batch.read_all(names, worlds=np.zeros(WORLDS, dtype=bool))] == [0, 0, 0, 0]
+    with pytest.raises(atoll.Error, match="found \"speeds\"; expected of positions, .*, joint_torques"):
+        batch.read_all(["positions", "speeds"])
+
+
 def test_contacts_of_all_worlds_are_those_of_each() -> None:
     batch = atoll.Batch("pile:bodies=6", WORLDS)
     for place, world in enumerate(batch):

@@ -77,6 +77,8 @@ class Batch {
   static std::size_t rows_of(Column column);
   /// Reads a column for all bodies, or joints, of all worlds: rows_of(column) numbers each, one after the other.
   void read(Column column, std::span<double> numbers) const;
+  friend void read_columns(const Batch& batch, std::span<const Column> columns,
+                           std::span<const std::span<double>> numbers, std::span<const std::size_t> places);
 
   // 3 * bodies().size() numbers a world (orientations 4), worlds in the order of `places`. As World's calls, but for
   // velocities of static bodies and forces on what isn't dynamic, which are passed over.
@@ -158,6 +160,11 @@ inline void set_frictions(Batch& batch, std::size_t body, std::span<const double
                           std::span<const std::size_t> places = {}) {
   set_numbers(batch, BodyNumber::Friction, {&body, 1}, frictions, places);
 }
+
+/// Reads several columns of these worlds, or all, in one pass over them, for little more than one takes: a span each,
+/// with the worlds in the order of places, as Batch::read() has them.
+void read_columns(const Batch& batch, std::span<const Batch::Column> columns,
+                  std::span<const std::span<double>> numbers, std::span<const std::size_t> places = {});
 
 /// True if a column belongs to joints, false if to bodies.
 constexpr bool is_of_joints(Batch::Column column) { return column >= Batch::Column::JointPositions; }

@@ -32,16 +32,30 @@ constexpr std::array<std::pair<const char*, Batch::Column>, 14> columns = {{
     {"joint_torques", Batch::Column::JointTorques},
 }};
 
-// An array of its own of a column.
-nb::object read_column(const Batch& batch, Batch::Column column) {
-  const std::size_t rows = Batch::rows_of(column);
-  const std::size_t count = is_of_joints(column) ? batch.joints().size() : batch.bodies().size();
-  std::vector<double> numbers(batch.size() * count * rows);
-  {
+// Arrays of their own of columns.
+std::vector<nb::object> read_columns(const Batch& batch, const std::vector<Batch::Column>& of,
+                                     const nb::object& worlds = nb::none()) {
+  const Chosen chosen(batch, worlds);
+  const std::size_t places = !chosen.any ? 0 : chosen.places.empty() ? batch.size() : chosen.places.size();
+  const auto count = [&](Batch::Column column) {
+    return is_of_joints(column) ? batch.joints().size() : batch.bodies().size();
+  };
+  std::vector<std::vector<double>> numbers;
+  for (const Batch::Column column : of) numbers.emplace_back(places * count(column) * Batch::rows_of(column));
+  const std::vector<std::span<double>> spans(numbers.begin(), numbers.end());
+  if (chosen.any) {
     const nb::gil_scoped_release release;
-    batch.read(column, numbers);
+    atl::read_columns(batch, of, spans, chosen.places);
   }
-  return array_owning(std::move(numbers), {batch.size(), count, rows});
+  std::vector<nb::object> arrays;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    arrays.push_back(array_owning(std::move(numbers[i]), {places, count(of[i]), Batch::rows_of(of[i])}));
+  }
+  return arrays;
+}
+
+nb::object of_type(const nb::object& array, const nb::object& dtype) {
+  return array.attr("astype")(dtype, nb::arg("copy") = false);
 }
 
 template <Batch::Column column>
@@ -49,7 +63,9 @@ void bind_column(nb::class_<Batch>& batch, const char* name, const char* doc) {
   const std::string signature = std::string("def ") + name + "(self) -> numpy.typing.NDArray[numpy.float64]";
   batch.def_prop_ro(
       name,
-      [](const Batch& self) { return nb::module_::import_("atoll._arrays").attr("copied")(read_column(self, column)); },
+      [](const Batch& self) {
+        return nb::module_::import_("atoll._arrays").attr("copied")(read_columns(self, {column})[0]);
+      },
       doc, nb::sig(signature.c_str()));
 }
 
@@ -133,13 +149,26 @@ void bind_reads(nb::class_<Batch>& batch) {
       .def(
           "read",
           [](const Batch& self, const std::string& name, const nb::object& dtype) {
-            const nb::object array = read_column(self, column_named("Batch.read: found", name));
-            return array.attr("astype")(dtype, nb::arg("copy") = false);
+            return of_type(read_columns(self, {column_named("Batch.read: found", name)})[0], dtype);
           },
           nb::arg("name"), nb::arg("dtype") = "float64",
           "One of the arrays above by its name, as an array of your own, of another type of numbers where asked for.",
           nb::sig("def read(self, name: str, dtype: numpy.typing.DTypeLike = 'float64') -> "
                   "numpy.typing.NDArray[typing.Any]"))
+      .def(
+          "read_all",
+          [](const Batch& self, const std::vector<std::string>& names, const nb::object& dtype,
+             const nb::object& worlds) {
+            std::vector<Batch::Column> of;
+            for (const std::string& name : names) of.push_back(column_named("Batch.read_all: found", name));
+            nb::list arrays;
+            for (const nb::object& array : read_columns(self, of, worlds)) arrays.append(of_type(array, dtype));
+            return arrays;
+          },
+          nb::arg("names"), nb::arg("dtype") = "float64", nb::arg("worlds") = nb::none(),
+          "Several of them in one pass over the worlds, or some of these, for little more than one takes.",
+          nb::sig("def read_all(self, names: collections.abc.Sequence[str], dtype: numpy.typing.DTypeLike = 'float64', "
+                  "worlds: " ATOLL_WORLDS " = None) -> list[numpy.typing.NDArray[typing.Any]]"))
       .def("contact_points", &contacts_of,
            "A structured array of the contacts of all worlds: the records of World.contact_forces(), with `world`.",
            nb::sig("def contact_points(self) -> numpy.typing.NDArray[numpy.void]"))

@@ -12,6 +12,12 @@ from .._robots.quaternions import Floats, cross, inverse, product, turned
 from .._robots.robot import Coordinate, Robot
 
 
+_OF_JOINTS = ("joint_positions", "joint_speeds")
+_OF_BODIES = ("origins", "orientations", "positions", "velocities", "angular_velocities")
+
+Worlds = NDArray[np.int64] | NDArray[np.bool_] | slice
+
+
 @dataclasses.dataclass
 class Motion:
     """How the bodies of a scene stand and move: rows of worlds, columns of bodies."""
@@ -33,7 +39,19 @@ class State:
 
     q: Floats
     v: Floats
-    motion: Motion
+    bodies: Motion | None  #: not read of a robot in a plane
+
+    @property
+    def motion(self) -> Motion:
+        assert self.bodies is not None
+        return self.bodies
+
+    def put(self, worlds: Worlds, other: State) -> None:
+        """Takes the rows of these worlds from another."""
+        self.q[worlds], self.v[worlds] = other.q, other.v
+        if self.bodies is not None:
+            for name, rows in vars(other.motion).items():
+                getattr(self.bodies, name)[worlds] = rows
 
 
 class Coordinates:
@@ -54,26 +72,36 @@ class Coordinates:
         self.centres = np.array([_centre_of(body.definition) for body in self.bodies])
         self._angles = np.zeros(0)  # rad, that were read last
 
-    def read(self, batch: _core.Batch) -> State:
-        origins, angular = batch.origins, batch.angular_velocities
-        velocities = batch.velocities + cross(angular, origins - batch.positions)
-        motion = Motion(origins, batch.orientations, velocities, angular)
-        q, v = batch.joint_positions[:, self.places, self.axes], batch.joint_speeds[:, self.places, self.axes]
+    @property
+    def columns(self) -> list[str]:
+        """What of a batch a state is made of, by the names of its arrays."""
+        return [*_OF_JOINTS, *([] if self.planar else _OF_BODIES)]
+
+    def read(self, batch: _core.Batch, worlds: Worlds = slice(None)) -> State:
+        columns = batch.read_all(self.columns, worlds=None if isinstance(worlds, slice) else worlds)
+        return self.state_of(columns, worlds, len(batch))
+
+    def state_of(self, columns: list[Floats], worlds: Worlds, count: int) -> State:
+        """Of these worlds, of `count`, from their rows of the columns."""
+        q, v = (of[:, self.places, self.axes] for of in columns[:2])
         if self.planar:
-            q[:, 2] = self._count_turns(q[:, 2])
-            return State(q, v, motion)
-        turn = motion.orientations[:, self.root]
+            q[:, 2] = self._count_turns(q[:, 2], worlds, count)
+            return State(q, v, None)
+        origins, orientations, positions, velocities, angular = columns[2:]
+        motion = Motion(origins, orientations, velocities + cross(angular, origins - positions), angular)
+        turn = orientations[:, self.root]
         q = np.hstack([origins[:, self.root], np.roll(turn, 1, axis=-1), q])
-        v = np.hstack([velocities[:, self.root], turned(inverse(turn), angular[:, self.root]), v])
+        v = np.hstack([motion.velocities[:, self.root], turned(inverse(turn), angular[:, self.root]), v])
         return State(q, v, motion)
 
-    def _count_turns(self, angles: Floats) -> Floats:
-        if len(self._angles) != len(angles):
-            self._angles = np.zeros(len(angles))
-        self._angles = self._angles + np.remainder(angles - self._angles + np.pi, 2 * np.pi) - np.pi
-        return self._angles
+    def _count_turns(self, angles: Floats, worlds: Worlds, count: int) -> Floats:
+        if len(self._angles) != count:
+            self._angles = np.zeros(count)
+        before = self._angles[worlds]
+        self._angles[worlds] = before + np.remainder(angles - before + np.pi, 2 * np.pi) - np.pi
+        return self._angles[worlds]
 
-    def set(self, batch: _core.Batch, worlds: NDArray[np.int64], q: Floats, v: Floats) -> State:
+    def set(self, batch: _core.Batch, worlds: NDArray[np.int64], q: Floats, v: Floats) -> None:
         """Puts all bodies of these worlds to where q and v have them; a quaternion in q may have any length > 0."""
         if self.planar:
             if len(self._angles) != len(batch):
@@ -84,7 +112,6 @@ class Coordinates:
         linear = motion.velocities + cross(motion.angular, arms)
         batch.set_poses(motion.origins, motion.orientations, worlds=worlds)
         batch.set_velocities(linear, motion.angular, worlds=worlds)
-        return State(q, v, motion)
 
     def carry(self, q: Floats, v: Floats) -> Motion:
         """Along the tree, from what carries to what is carried."""

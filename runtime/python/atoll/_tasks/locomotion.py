@@ -86,6 +86,7 @@ class Locomotion(Task):
         low, high = np.array(m.actuator_ctrlrange, dtype=np.float32).T
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         self._places = np.zeros(0)  # m, along x, before an action
+        self._state: State | None = None  # read last, while nothing has moved since
         size = sum(self._counts) - self.rules.hidden + self.rules.numbers_a_body * (int(m.nbody) - 1)
         size += len(self.coordinates.of) if self.rules.sees_torques else 0
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (size,), dtype=np.float64)
@@ -106,18 +107,43 @@ class Locomotion(Task):
         if len(self._places) != len(batch):
             self._places = np.zeros(len(batch))
         q, v = np.split(drawn, self._counts[:1], axis=1)
-        self._places[places] = self._along(self.coordinates.set(batch, places, q, v))
+        self.coordinates.set(batch, places, q, v)
+        if self._state is None or len(self._state.q) != len(batch):
+            self._state = self.coordinates.read(batch)
+        else:
+            self._state.put(places, self.coordinates.read(batch, places))
+        self._places[places] = self._along(self._state)[places]
 
     def act(self, batch: _core.Batch, actions: Array) -> None:
+        self._state = None
+        batch.set_controls(self._servos, self._targets(actions))
+
+    def _targets(self, actions: Array) -> Array:
+        """rad, of servos that then pull with the torques of these actions."""
         low, high, gains, biases, stiffnesses = self._drives.astype(actions.dtype)
-        torques = gains * np.clip(actions, low, high) + biases
-        batch.set_controls(self._servos, torques / stiffnesses)
+        return np.asarray((gains * np.clip(actions, low, high) + biases) / stiffnesses)
+
+    def advance(self, batch: _core.Batch, actions: Array, worlds: Bools | None) -> None:
+        stepped = slice(None) if worlds is None else worlds
+        before, names = self._read(batch), self.coordinates.columns
+        targets = np.ascontiguousarray(self._targets(actions)[stepped, None])
+        kept = batch.rollout(self._servos, targets, count=self.steps_an_action, keep=names, worlds=worlds)
+        state = self.coordinates.state_of([kept[name][:, 0] for name in names], stepped, len(batch))
+        if worlds is None:
+            self._state = state
+        else:
+            before.put(stepped, state)
 
     def observe(self, batch: _core.Batch) -> Seen:
-        return np.hstack(self._seen(self.coordinates.read(batch)))
+        return np.hstack(self._seen(self._read(batch)))
 
     def judge(self, batch: _core.Batch, actions: Array) -> tuple[Array, Bools]:
-        return self._judge(batch, self.coordinates.read(batch), actions)
+        return self._judge(batch, self._read(batch), actions)
+
+    def _read(self, batch: _core.Batch) -> State:
+        if self._state is None:
+            self._state = self.coordinates.read(batch)
+        return self._state
 
     def _seen(self, state: State) -> list[Array]:
         return [state.q[:, self.rules.hidden :], np.clip(state.v, -self.rules.max_speed, self.rules.max_speed)]
@@ -130,8 +156,8 @@ class Locomotion(Task):
         return rewards, ~goes_on
 
     def _along(self, state: State) -> Array:
-        """m, along x, of what is to come forward."""
-        return state.q[:, 0]
+        """m, along x, of what is to come forward; an array of its own."""
+        return state.q[:, 0].copy()
 
     def _goes_on(self, state: State) -> Bools:
         height, angle = state.q[:, 1], state.q[:, 2]
@@ -221,10 +247,10 @@ class Humanoid(FreeLocomotion):
         self._torques[places] = 0
         super().begin(batch, places, drawn)
 
-    def act(self, batch: _core.Batch, actions: Array) -> None:
-        super().act(batch, actions)
+    def _targets(self, actions: Array) -> Array:
         for actuator, controls in zip(self._actuators, actions.T, strict=True):
             self._torques[:, actuator.coordinate] = actuator.gain * np.clip(controls, *actuator.range)
+        return super()._targets(actions)
 
     def _seen(self, state: State) -> list[Array]:
         *rest, contacts = super()._seen(state)
