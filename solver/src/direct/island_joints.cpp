@@ -55,12 +55,16 @@ double response_of(const DirectBody& body, const Vector3& linear, const Vector3&
   return linear.dot(body.inverse_mass.cwiseProduct(linear)) + angular.dot(body.inverse_inertia * angular);
 }
 
+bool has_locks(const std::vector<DirectBody>& bodies, const DirectJoint& joint) {
+  const auto is_locked = [&](std::uint32_t body) { return body != no_body && bodies[body].locks != 0; };
+  return is_locked(joint.first) || is_locked(joint.second);
+}
+
 // Finds the rows along which motion locks let nothing move: what is left of their response is rounding, by which an
 // impulse would have no bound. A lock there has nothing to hold.
 void find_still(const std::vector<DirectBody>& bodies, DirectJoint& joint) {
   joint.still = 0;
-  const auto is_locked = [&](std::uint32_t body) { return body != no_body && bodies[body].locks != 0; };
-  if (joint.is_tendon() || (!is_locked(joint.first) && !is_locked(joint.second))) return;
+  if (joint.is_tendon() || !has_locks(bodies, joint)) return;
   for (std::size_t r = 0; r < joint.rows; ++r) {
     const JointRow at = joint.row(r);
     double left = 0, without_locks = 0;
@@ -102,8 +106,8 @@ void weigh_rows(const Joint& of, const std::vector<DirectBody>& bodies, bool loc
     if (joint.first != no_body) add_point_response(bodies[joint.first], joint.arm_first, responds);
     if (joint.second != no_body) add_point_response(bodies[joint.second], joint.arm_second, responds);
     for (std::size_t r = 0; r < 3; ++r) {
-      ATL_ASSERT(!(responds[r] <= 0) || joint.is_still(r), joint.joint, r, responds[r]);
-      joint.mass[r] = joint.is_still(r) ? 0 : 1 / responds[r];
+      ATL_ASSERT(!(responds[r] <= 0) || has_locks(bodies, joint), joint.joint, r, responds[r]);
+      joint.mass[r] = responds[r] > 0 && !joint.is_still(r) ? 1 / responds[r] : 0;
     }
   }
   for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {

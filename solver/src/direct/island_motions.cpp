@@ -62,12 +62,25 @@ bool is_pushed(const IslandProblem& problem, const SolverSettings& settings) {
   return false;
 }
 
-// Tells an island without joints in which some contact closes or parts fast.
-bool moves(const IslandProblem& problem) {
-  return problem.joints.empty() &&
-         std::any_of(problem.contacts.begin(), problem.contacts.end(), [&](const DirectContact& contact) {
-           return std::abs(contact.motion_at(problem.velocity)[0]) > tuning::spread_speed;
-         });
+// Tells islands in which some contact closes or parts fast.
+bool is_fast(const IslandProblem& problem) {
+  return std::any_of(problem.contacts.begin(), problem.contacts.end(), [&](const DirectContact& contact) {
+    return std::abs(contact.motion_at(problem.velocity)[0]) > tuning::spread_speed;
+  });
+}
+
+// Tells islands of which the last step has said what carries what.
+bool is_known(const IslandProblem& problem) {
+  return std::any_of(problem.contacts.begin(), problem.contacts.end(),
+                     [](const DirectContact& contact) { return contact.answer.load() > 0; });
+}
+
+// Without joints, what rests needs few iterations from where it was in the last step, and what moves gains nothing by
+// many.
+int max_iterations(const IslandProblem& problem, const SolverSettings& settings) {
+  if (settings.direct_only || !problem.joints.empty()) return tuning::max_iterations_if_patient;
+  if (is_fast(problem)) return tuning::max_iterations_if_fast;
+  return is_known(problem) ? tuning::max_iterations : tuning::max_iterations_if_patient;
 }
 
 // N s, of all bodies if they moved at such a speed.
@@ -94,8 +107,7 @@ bool find_motions(IslandMotions& motions, const SolverSettings& settings, double
   } else {
     push_contacts_apart(motions.problem, settings, dt);
   }
-  const bool patient = settings.direct_only || !moves(motions.problem);
-  motions.search.max_iterations = patient ? tuning::max_iterations_if_patient : tuning::max_iterations;
+  motions.search.max_iterations = max_iterations(motions.problem, settings);
   if (!solve_by_newton(motions.problem, motions.search)) return false;
   if (!is_bounded(motions.problem, from_outside)) return false;
   if (relaxes) take_back_compliance(motions.problem, motions.search, dt);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t load_grain = 16;  // islands a task
 
-// Islands with locks are not solved at once: the direct solver has no rows for them.
+// Islands with locks and contacts are not solved at once: contacts know nothing of locks there, as joints do.
 bool has_locks(const LoadInput& input, std::size_t island) {
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
   return std::any_of(bodies.begin(), bodies.end(), [&](std::uint32_t body) { return input.bodies.locks[body] != 0; });
@@ -113,10 +113,6 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input, jobs:
       if (modes_[island] == SolveMode::Sweep) modes_[island] = mode_by_load(input, island);
     }
   });
-  for (const std::uint32_t body : failed_) {
-    const std::uint32_t island = islands.island_of(body);
-    if (island != Islands::none && !is_joined(island)) modes_[island] = SolveMode::Sweep;
-  }
   for (const std::size_t island : landings_) {
     if (modes_[island] == SolveMode::Sweep) modes_[island] = SolveMode::Landing;
   }
@@ -124,13 +120,16 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input, jobs:
   return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
 }
 
-// An island is estimated at once where bodies have joined or left it, and else keeps its mode. A body that is alone may
+// An island that could not be solved at once is swept for some time. Others are estimated at once where bodies have
+// joined or left them, and else keep their mode. A body that is alone may
 // land, tip and part within a few steps, and costs little: it is estimated in each.
 SolveMode SolverSelection::mode_by_load(const LoadInput& input, std::size_t island) {
   if (input.islands.contact_count(island) == 0) return SolveMode::Sweep;
   const std::span<const std::uint32_t> bodies = input.islands.bodies(island, island + 1);
   const auto count = static_cast<std::uint32_t>(bodies.size());
   ATL_ASSERT(bodies.back() < findings_.size(), island, bodies.back(), findings_.size());
+  const auto is_swept = [&](std::uint32_t body) { return findings_[body].swept > 0; };
+  if (std::any_of(bodies.begin(), bodies.end(), is_swept)) return SolveMode::Sweep;
   const SolveMode before = findings_[bodies.front()].mode;
   const auto is_same = [&](std::uint32_t body) {
     return findings_[body].mode == before && findings_[body].bodies == count;
