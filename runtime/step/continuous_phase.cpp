@@ -70,7 +70,35 @@ FastBody ContinuousPhase::fast_body(const Stores& world, const IslandPhase& isla
           .aside_limit = assembly == FastBody::alone ? alone_limit : world.aabbs.bounds.margin_limit[body]};
 }
 
+// Bodies that something kinematic may pass over by more than speculative contacts reach, and that itself, are looked at
+// however little they move.
+void ContinuousPhase::watch_what_is_passed(Stores& world) {
+  if (world.contents.kinematic == 0) return;
+  const auto watch = [&](std::uint32_t body) {
+    double& sweep_distance = world.aabbs.bounds.sweep_distance[body];
+    if (sweep_distance < 0) return;
+    on_surfaces_.push_back({body, sweep_distance});
+    sweep_distance = -1;
+  };
+  for (const std::uint32_t body : world.active.in_order()) {
+    // A half-space has no front that could be past somebody: it pushes out whoever is in it.
+    constexpr double unbounded = std::numeric_limits<double>::infinity();
+    if (world.records.type[body] != BodyType::Kinematic || world.aabbs.bounds.sweep_distance[body] == unbounded)
+      continue;
+    const double spin = world.bodies.angular_velocity(body).norm();
+    const double moves = world.clock.dt * (world.bodies.velocity(body).norm() + spin * world.bodies.radius[body]);
+    world.cache.for_each_contact_of(body, [&](std::uint32_t slot) {
+      const collision::Contact& contact = world.cache.contacts[slot];
+      const std::uint32_t other = contact.body_first == body ? contact.body_second : contact.body_first;
+      if (!world.records.dynamic[other] || !(moves > collision::approach_share * contact.size)) return;
+      watch(body);
+      watch(other);
+    });
+  }
+}
+
 void ContinuousPhase::watch_surface_contacts(Stores& world, const ContactPhase& contacts) {
+  watch_what_is_passed(world);
   if (world.contents.surfaces == 0) return;
   const auto is_surface = [&](std::uint32_t body) {
     return !world.records.dynamic[body] &&
@@ -86,7 +114,7 @@ void ContinuousPhase::watch_surface_contacts(Stores& world, const ContactPhase& 
     const std::uint32_t body = of_second ? pair.second : pair.first;
     double& sweep_distance = world.aabbs.bounds.sweep_distance[body];
     if (!(way < std::max<double>(sweep_distance, collision::approach_share * size))) continue;
-    if (sweep_distance == std::numeric_limits<double>::infinity()) continue;
+    if (sweep_distance < 0 || sweep_distance == std::numeric_limits<double>::infinity()) continue;
     on_surfaces_.push_back({body, sweep_distance});
     sweep_distance = std::min(sweep_distance, std::max(way, 0.0));
   }

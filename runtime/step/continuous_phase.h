@@ -24,14 +24,16 @@ class ContinuousPhase {
   /// Makes it do for so many workers, if it is for fewer.
   void reach(int threads) { continuous_.reach(threads); }
 
-  /// Ahead of the solve: bodies that touch a mesh or height field count as fast if they move as far as their cores are
-  /// from it. Contacts give way to what presses on them, and behind its front a surface pushes nobody.
+  /// Ahead of the solve: bodies that something kinematic may pass over count as fast. Those that touch a mesh or height
+  /// field do if they move as far as their cores are from it: contacts give way to what presses on them, and behind its
+  /// front a surface pushes nobody.
   void watch_surface_contacts(Stores& world, const ContactPhase& contacts);
   /// `moved` are bodies that moved far by the solve, by worker; it is empty after this.
   void sweep(Stores& world, const StepContext& step, const ContactPhase& contacts, const IslandPhase& islands,
              solver::FastBodies& moved);
 
  private:
+  void watch_what_is_passed(Stores& world);
   // A body that was watched, and what its motion was held against before.
   struct OnSurface {
     std::uint32_t body;

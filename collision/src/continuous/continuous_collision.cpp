@@ -56,6 +56,15 @@ CcdSupport support_of(const SweepHit& hit, const Motion& other, const Shape& cor
   return {hit.normal, hit.normal.dot(end.position - point) + reach, tolerance};
 }
 
+// The way (m) that a body goes on with what it hits, which nothing stops. A wall that comes would else pass over it,
+// and one that goes away would be out of its reach in the next step.
+Vector3 way_carried(const SweepHit& hit, const Motion& other) {
+  const Pose then = other.at(hit.t), end = other.at(1);
+  const Vector3 goes =
+      end.position + end.orientation * (then.orientation.conjugate() * (hit.point - then.position)) - hit.point;
+  return hit.normal.dot(goes) * hit.normal;
+}
+
 // The way that takes a core off all that it is held by: before one plane after the other until none is passed. A core
 // that started overlapping would be let through.
 std::optional<Vector3> way_aside(std::span<const CcdSupport> held) {
@@ -124,11 +133,18 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
       const double tolerance = ccd_tolerance * approach.size;
       const Motion other_motion = step.motion_of(other, Vector3::Zero(), Vector3::Zero());
       const SweepGoal goal{ccd_gap_share * approach.size, tolerance};
+      const std::uint32_t other_body = colliders.body[other];
+      const bool goes_on = step.dynamic[other_body] == 0 && step.find_fast(other_body) != nullptr;
+      const auto stop_at = [&](const SweepHit& at) {
+        if (!(at.t < first)) return;
+        first = at.t;
+        scratch.carried = goes_on ? way_carried(at, other_motion) : Vector3::Zero();
+      };
       SweepHit hit;
       if (approach.apart && !only_deep) {
         if (!sweep(shape, motion, colliders.shape[other], other_motion, goal, first, hit)) continue;
         if (!hit.started_overlapping && hit.t > 0) {
-          first = hit.t;
+          stop_at(hit);
           continue;
         }
       }
@@ -143,11 +159,11 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
               overlaps |= core_hit.started_overlapping;
               if (core_hit.started_overlapping) return first;
               if (core_hit.t > 0) {
-                first = std::min(first, core_hit.t);
+                stop_at(core_hit);
                 return first;
               }
               // Bodies of an assembly are shifted together, and stay as they are to each other.
-              if (joined && step.assembly_of(colliders.body[other]) == fast.assembly) return first;
+              if (joined && step.assembly_of(other_body) == fast.assembly) return first;
               if (stays_outside(core.shape, core_motion, colliders.shape[other], other_motion, tolerance)) return first;
               scratch.supports.push_back(support_of(core_hit, other_motion, core.shape, core_motion.at(1), tolerance));
               return first;
@@ -157,11 +173,11 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
       const double before = first;
       const Core core = core_of(shape);
       const bool overlaps = sweep_core(core);
-      if (overlaps && step.dynamic[colliders.body[other]] == 0) sweep_core({Shape::sphere(0), core.centre});
+      if (overlaps && step.dynamic[other_body] == 0) sweep_core({Shape::sphere(0), core.centre});
       if (first < before && approach.apart && only_deep) {
         SweepHit surface;
         sweep(shape, motion, colliders.shape[other], other_motion, goal, first, surface);
-        if (surface.t > 0) first = std::min(first, surface.t);
+        if (surface.t > 0) stop_at(surface);
       }
     }
   });
@@ -177,6 +193,7 @@ void ContinuousCollision::find_stop(CcdStep& step, const Broadphase& broadphase,
   stop.undecided = false;
   const auto meet = [&](const Vector3& aside, const auto& list_pairs) {
     scratch.supports.clear();
+    scratch.carried.setZero();
     double first = 1;
     for (const FastBody& fast : stop.bodies) {
       list_pairs(fast);
@@ -184,10 +201,28 @@ void ContinuousCollision::find_stop(CcdStep& step, const Broadphase& broadphase,
     }
     return first;
   };
-  stop.t = meet(Vector3::Zero(), [&](const FastBody& fast) {
+  const auto list_near = [&](const FastBody& fast) {
     candidates_.list(static_cast<std::size_t>(&fast - step.fast.data()), scratch.pairs);
-  });
-  if (scratch.supports.empty()) return;
+  };
+  stop.t = meet(Vector3::Zero(), list_near);
+  if (scratch.supports.empty()) {
+    const FastBody& fast = stop.bodies.front();
+    if (scratch.carried.isZero(0) || fast.assembly != FastBody::alone || fast.aside_limit < 0) return;
+    // Other walls go on as well: it ends where none of them passes over it.
+    constexpr int rounds = 5;
+    const Pose end = step.motions.poses[fast.body];
+    Vector3 aside = Vector3::Zero();
+    double t = stop.t;
+    for (int round = 0; round < rounds && t < 1; ++round) {
+      const Pose shifted{end.position + aside, end.orientation};
+      const Pose held = Motion::between(fast.start, shifted, Vector3::Zero()).at(t);
+      aside = held.position + scratch.carried - end.position;
+      t = meet(aside, list_near);
+    }
+    stop.t = 1;
+    stop.aside = aside;
+    return;
+  }
   stop.t = 0;
   const std::optional<Vector3> aside = way_aside(scratch.supports);
   if (!aside || !(aside->norm() <= stop.bodies.front().aside_limit)) return;

@@ -52,6 +52,7 @@ class ContinuousCollision {
     std::vector<CcdPair> pairs;  // of one body
     std::vector<Approach> approaching;
     std::vector<CcdSupport> supports;
+    Vector3 carried = Vector3::Zero();  // m, by what is hit first, see way_carried()
   };
 
   static double first_hit(const CcdStep& step, const FastBody& fast, const Vector3& aside, double first,
