@@ -33,6 +33,7 @@ struct DirectBody {
   Matrix3 inertia;          ///< kg m^2, world frame
   Matrix3 inverse_inertia;  ///< likewise, on the axes that it may turn about
 
+  /// Sets the mass, and its inverse along the axes that are free.
   void weigh(double mass_now, double inverse);
 
   /// N s and N m s: M times six numbers of velocity, linear and angular.
