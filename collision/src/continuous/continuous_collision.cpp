@@ -184,6 +184,33 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
   return first;
 }
 
+// The part of their motion after which the bodies first meet something of the pairs that are listed for each.
+double ContinuousCollision::meet(const CcdStep& step, const CcdStop& stop, const Vector3& aside, ListPairs list_pairs,
+                                 Scratch& scratch) {
+  scratch.supports.clear();
+  scratch.carried.setZero();
+  double first = 1;
+  for (const FastBody& fast : stop.bodies) {
+    list_pairs(fast);
+    first = first_hit(step, fast, aside, first, scratch);
+  }
+  return first;
+}
+
+// Ends the way of a body that has met what goes on where neither that passes over it, nor others that go on as well.
+void ContinuousCollision::go_on_with_walls(const CcdStep& step, CcdStop& stop, ListPairs list_pairs, Scratch& scratch) {
+  constexpr int rounds = 5;
+  const FastBody& fast = stop.bodies.front();
+  const Pose end = step.motions.poses[fast.body];
+  for (int round = 0; round < rounds && stop.t < 1; ++round) {
+    const Pose shifted{end.position + stop.aside, end.orientation};
+    const Pose held = Motion::between(fast.start, shifted, Vector3::Zero()).at(stop.t);
+    stop.aside = held.position + scratch.carried - end.position;
+    stop.t = meet(step, stop, stop.aside, list_pairs, scratch);
+  }
+  stop.t = 1;
+}
+
 // Finds how far a fast body, or the fast bodies of an assembly, may go in this step. A shape that the core touches from
 // the start would hold the body where it is, for good, if other bodies press on it. Such a body goes all its way,
 // shifted aside just enough to keep the core from going through the surfaces that it touches. An assembly is shifted as
@@ -191,36 +218,14 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
 void ContinuousCollision::find_stop(CcdStep& step, const Broadphase& broadphase, CcdStop& stop, Scratch& scratch,
                                     bool decides) const {
   stop.undecided = false;
-  const auto meet = [&](const Vector3& aside, const auto& list_pairs) {
-    scratch.supports.clear();
-    scratch.carried.setZero();
-    double first = 1;
-    for (const FastBody& fast : stop.bodies) {
-      list_pairs(fast);
-      first = first_hit(step, fast, aside, first, scratch);
-    }
-    return first;
-  };
   const auto list_near = [&](const FastBody& fast) {
     candidates_.list(static_cast<std::size_t>(&fast - step.fast.data()), scratch.pairs);
   };
-  stop.t = meet(Vector3::Zero(), list_near);
+  stop.t = meet(step, stop, Vector3::Zero(), list_near, scratch);
   if (scratch.supports.empty()) {
     const FastBody& fast = stop.bodies.front();
-    if (scratch.carried.isZero(0) || fast.assembly != FastBody::alone || fast.aside_limit < 0) return;
-    // Other walls go on as well: it ends where none of them passes over it.
-    constexpr int rounds = 5;
-    const Pose end = step.motions.poses[fast.body];
-    Vector3 aside = Vector3::Zero();
-    double t = stop.t;
-    for (int round = 0; round < rounds && t < 1; ++round) {
-      const Pose shifted{end.position + aside, end.orientation};
-      const Pose held = Motion::between(fast.start, shifted, Vector3::Zero()).at(t);
-      aside = held.position + scratch.carried - end.position;
-      t = meet(aside, list_near);
-    }
-    stop.t = 1;
-    stop.aside = aside;
+    const bool may_shift = fast.assembly == FastBody::alone && fast.aside_limit >= 0;
+    if (may_shift && !scratch.carried.isZero(0)) go_on_with_walls(step, stop, list_near, scratch);
     return;
   }
   stop.t = 0;
@@ -236,8 +241,10 @@ void ContinuousCollision::find_stop(CcdStep& step, const Broadphase& broadphase,
     if (stop.undecided) return;
     if (!undecided.empty()) step.passing = (*step.decide)(undecided);
   }
-  const double t =
-      meet(*aside, [&](const FastBody& fast) { query_candidates(step, fast, *aside, broadphase, scratch.pairs); });
+  const auto list_aside = [&](const FastBody& fast) {
+    query_candidates(step, fast, *aside, broadphase, scratch.pairs);
+  };
+  const double t = meet(step, stop, *aside, list_aside, scratch);
   const bool kept_off = std::all_of(scratch.supports.begin(), scratch.supports.end(),
                                     [](const CcdSupport& support) { return support.excess <= 0; });
   if (!kept_off) return;

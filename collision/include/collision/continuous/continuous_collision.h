@@ -2,6 +2,7 @@
 
 #include <collision/continuous/ccd_candidates.h>
 #include <collision/continuous/ccd_culling.h>
+#include <collision/shapes/function_ref.h>
 
 #include <cstdint>
 #include <span>
@@ -57,6 +58,10 @@ class ContinuousCollision {
 
   static double first_hit(const CcdStep& step, const FastBody& fast, const Vector3& aside, double first,
                           Scratch& scratch);
+  using ListPairs = FunctionRef<void(const FastBody&)>;
+  static double meet(const CcdStep& step, const CcdStop& stop, const Vector3& aside, ListPairs list_pairs,
+                     Scratch& scratch);
+  static void go_on_with_walls(const CcdStep& step, CcdStop& stop, ListPairs list_pairs, Scratch& scratch);
   void list_groups(std::span<const FastBody> fast);
   // `decides` lets it ask about what it meets aside; else it may be left undecided.
   void find_stop(CcdStep& step, const Broadphase& broadphase, CcdStop& stop, Scratch& scratch, bool decides) const;
