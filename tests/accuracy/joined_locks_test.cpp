@@ -3,56 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "support/bodies.h"
 #include "support/joined_run.h"
+#include "support/random_assembly.h"
 
 namespace atl::test::joined_locks_test {
 namespace {
 
 constexpr MotionLocks in_plane = MotionLocks::plane(Axis::Y);
-constexpr MotionLocks no_turning = {.angular = {true, true, true}};
 constexpr MotionLocks on_rails = {.linear = {false, true, true}, .angular = {true, true, true}};
 constexpr MotionLocks in_place = {.linear = {true, true, true}};
-
-// The z axis of a joint's frame, which its hinge turns about, along y.
-const Quaternion across(Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3::UnitX()));
-
-BodyDef locked(BodyDef def, const MotionLocks& locks) {
-  def.locks = locks;
-  return def;
-}
-
-// A hinge about y at a point of the world.
-JointDef hinge_at(World& world, BodyId first, BodyId second, const Vector3& point) {
-  const auto frame = [&](BodyId body) {
-    const Pose pose = world.pose(body);
-    return Pose{pose.orientation.conjugate() * (point - pose.position),
-                pose.orientation.conjugate() * Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()))};
-  };
-  return {.kind = HingeJoint{},
-          .first = first,
-          .second = second,
-          .frame_first = frame(first),
-          .frame_second = frame(second)};
-}
-
-double energy(const World& world, const std::vector<BodyId>& ids) {
-  double sum = 0;
-  for (const BodyId id : ids) {
-    const MassProperties mass = body_mass(world.definition(id));
-    const Matrix3 turn = world.pose(id).orientation.toRotationMatrix();
-    const Vector3 v = world.velocity(id), w = turn.transpose() * world.angular_velocity(id);
-    sum += 0.5 * mass.mass * v.squaredNorm() + 0.5 * w.dot(mass.inertia * w) -
-           mass.mass * world.gravity().dot(world.centre_of_mass(id));
-  }
-  return sum;
-}
 
 class JoinedLocks : public testing::TestWithParam<JointSolver> {
  protected:
@@ -68,7 +32,8 @@ TEST_P(JoinedLocks, MechanismInItsPlaneMovesAsAFreeOneDoes) {
       BodyDef def = box({i + 0.5, 0, 0}, {0.5, 0.1, 0.1});
       if (i == 2) def.angular_velocity = {0, 3, 0};
       ids.push_back(world.add_body(locked(def, locks)));
-      world.add_joint(hinge_at(world, ids[ids.size() - 2], ids.back(), {static_cast<double>(i), 0, 0}));
+      const Vector3 at(i, 0, 0);
+      world.add_joint(joint_at(world, HingeJoint{}, ids[ids.size() - 2], ids.back(), at, Vector3::UnitY()));
     }
     return ids;
   };
@@ -102,7 +67,7 @@ TEST_P(JoinedLocks, PoleOnACartOnRailsSwingsAtItsFrequency) {
   const double m = rod.mass;
   const double inertia = rod.inertia(1, 1) + m * l * l - m * m * l * l / (cart_mass + m);
   const double period = 2 * std::numbers::pi / std::sqrt(m * g * l / inertia);
-  const double start = energy(world, {cart, pole}),
+  const double start = mechanical_energy(world, {cart, pole}),
                centre = cart_mass * world.pose(cart).position.x() + m * world.pose(pole).position.x();
   const double step = period / 100;
   run(world, 300, step);
@@ -113,7 +78,7 @@ TEST_P(JoinedLocks, PoleOnACartOnRailsSwingsAtItsFrequency) {
   EXPECT_EQ(world.pose(cart).position.y(), 0);
   EXPECT_EQ(world.pose(cart).position.z(), 0);
   EXPECT_EQ(world.pose(cart).orientation.coeffs(), Quaternion::Identity().coeffs());
-  EXPECT_LT(energy(world, {cart, pole}), start + 1e-3 * m * g * l);
+  EXPECT_LT(mechanical_energy(world, {cart, pole}), start + 1e-3 * m * g * l);
 }
 
 TEST_P(JoinedLocks, LockedInEveryWayABodyCarriesAsAFixedOne) {
@@ -160,7 +125,7 @@ TEST_P(JoinedLocks, WhatStaysInPlaceTurnsUnderItsLoad) {
                    .second = weight,
                    .frame_first = {{1, 0, 0}},
                    .frame_second = {{0, 0, 0.5}}});
-  const double start = energy(world, {plate, weight});
+  const double start = mechanical_energy(world, {plate, weight});
   world.step(dt);
   // One rod's force F: F / (I / r^2) above, g - F / m below, the same.
   const double m = body_mass(world.definition(weight)).mass;
@@ -169,7 +134,7 @@ TEST_P(JoinedLocks, WhatStaysInPlaceTurnsUnderItsLoad) {
   for (int i = 0; i < 300; ++i) {
     world.step(dt);
     ASSERT_EQ(world.pose(plate).position, Vector3::Zero());
-    ASSERT_LT(energy(world, {plate, weight}), start + 0.01 * m * g);
+    ASSERT_LT(mechanical_energy(world, {plate, weight}), start + 0.01 * m * g);
   }
 }
 
@@ -180,12 +145,7 @@ TEST_P(JoinedLocks, WhatNothingMovesAlongTakesNoForce) {
   const BodyId cart = world.add_body(locked(box({0, 0, 0}), in_plane));
   SliderJoint slider;
   slider.offset.motor = JointMotor{.speed = 1, .max_force = 100};
-  const JointId joint = world.add_joint(
-      {.kind = slider,
-       .first = rail,
-       .second = cart,
-       .frame_first = {{0, 0, 0}, Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()))},
-       .frame_second = {{0, 0, 0}, Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()))}});
+  const JointId joint = world.add_joint(joint_at(world, slider, rail, cart, Vector3::Zero(), Vector3::UnitY()));
   run(world, 120);
   EXPECT_LT(world.pose(cart).position.norm(), 1e-3);
   EXPECT_EQ(world.velocity(cart).y(), 0);

@@ -14,11 +14,6 @@ namespace {
 constexpr MotionLocks in_plane = MotionLocks::plane(Axis::Y);
 constexpr MotionLocks no_turning = {.angular = {true, true, true}};
 
-BodyDef locked(BodyDef def, const MotionLocks& locks) {
-  def.locks = locks;
-  return def;
-}
-
 Quaternion about(const Vector3& axis, double angle) { return Quaternion(Eigen::AngleAxisd(angle, axis.normalized())); }
 
 TEST(MotionLocks, PlaneIsAcrossItsAxis) {

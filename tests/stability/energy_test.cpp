@@ -73,7 +73,7 @@ TEST(Energy, NorWithSpringsAndRangesAtTheDefaults) {
   EXPECT_EQ(gaining(seeds(), kind, JointSolver::Auto, true), 0);
 }
 
-// What locks and joints ask for together may leave nothing that moves, or little.
+// Locks and joints together may leave nothing that moves, or little: rows then answer by rounding alone.
 TEST(Energy, NorWhereMotionsAreLocked) {
   AssemblyKind kind = plain;
   kind.ranges = kind.pinned = kind.locks = true;

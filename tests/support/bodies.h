@@ -30,6 +30,11 @@ inline BodyDef static_box(const Vector3& position, const Vector3& half_extents) 
   return {.type = BodyType::Static, .shape = Box{half_extents}, .position = position};
 }
 
+inline BodyDef locked(BodyDef def, const MotionLocks& locks) {
+  def.locks = locks;
+  return def;
+}
+
 /// Targets for all errors there are, near enough that islands of small scenes get all kinds of substeps.
 inline ErrorTarget all_targets() {
   return {.penetration = 5e-4, .joint_gap = 2e-4, .residual = 0.05, .motion = 5e-3, .max_substeps = 24};
