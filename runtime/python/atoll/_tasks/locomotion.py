@@ -108,11 +108,12 @@ class Locomotion(Task):
             self._places = np.zeros(len(batch))
         q, v = np.split(drawn, self._counts[:1], axis=1)
         self.coordinates.set(batch, places, q, v)
-        if self._state is None or len(self._state.q) != len(batch):
-            self._state = self.coordinates.read(batch)
+        begun = self.coordinates.read(batch, places)
+        if self._state is not None and len(self._state.q) == len(batch):
+            self._state.put(places, begun)
         else:
-            self._state.put(places, self.coordinates.read(batch, places))
-        self._places[places] = self._along(self._state)[places]
+            self._state = None
+        self._places[places] = self._along(begun)
 
     def act(self, batch: _core.Batch, actions: Array) -> None:
         self._state = None
@@ -125,14 +126,14 @@ class Locomotion(Task):
 
     def advance(self, batch: _core.Batch, actions: Array, worlds: Bools | None) -> None:
         stepped = slice(None) if worlds is None else worlds
-        before, names = self._read(batch), self.coordinates.columns
+        names = self.coordinates.columns
         targets = np.ascontiguousarray(self._targets(actions)[stepped, None])
         kept = batch.rollout(self._servos, targets, count=self.steps_an_action, keep=names, worlds=worlds)
         state = self.coordinates.state_of([kept[name][:, 0] for name in names], stepped, len(batch))
         if worlds is None:
             self._state = state
-        else:
-            before.put(stepped, state)
+        elif self._state is not None:
+            self._state.put(stepped, state)
 
     def observe(self, batch: _core.Batch) -> Seen:
         return np.hstack(self._seen(self._read(batch)))
