@@ -28,7 +28,9 @@ Vector3 vector_of(const World& world, BodyId body, Batch::Column column) {
 }
 
 void read_body(const World& world, BodyId body, Batch::Column column, std::size_t rows, double* to) {
-  if (column == Batch::Column::Orientations) {
+  if (!world.contains(body)) {
+    std::fill_n(to, rows, 0.0);
+  } else if (column == Batch::Column::Orientations) {
     std::copy_n(world.orientations().col(body.index).data(), rows, to);
   } else {
     std::copy_n(vector_of(world, body, column).data(), rows, to);
@@ -67,20 +69,17 @@ std::vector<std::size_t> numbers_of(const Batch& batch, std::span<const std::siz
 
 void read_columns(const World& world, const Batch& batch, std::span<const Batch::Column> columns,
                   std::span<double* const> to) {
-  bool of_joints = false;
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    const std::size_t rows = Batch::rows_of(columns[c]);
-    std::fill_n(to[c], rows * count_in(columns[c], batch), 0.0);
-    of_joints |= is_of_joints(columns[c]);
     if (is_of_joints(columns[c])) continue;
+    const std::size_t rows = Batch::rows_of(columns[c]);
     for (std::size_t i = 0; i < batch.bodies().size(); ++i) {
-      if (world.contains(batch.bodies()[i])) read_body(world, batch.bodies()[i], columns[c], rows, to[c] + rows * i);
+      read_body(world, batch.bodies()[i], columns[c], rows, to[c] + rows * i);
     }
   }
-  if (!of_joints) return;
+  if (std::none_of(columns.begin(), columns.end(), is_of_joints)) return;
   for (std::size_t i = 0; i < batch.joints().size(); ++i) {
-    if (!world.contains(batch.joints()[i])) continue;
-    const JointState state = world.joint_state(batch.joints()[i]);
+    const bool there = world.contains(batch.joints()[i]);
+    const JointState state = there ? world.joint_state(batch.joints()[i]) : JointState{};
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const std::size_t rows = Batch::rows_of(columns[c]);
       if (is_of_joints(columns[c])) std::copy_n(numbers_of(state, columns[c]), rows, to[c] + rows * i);

@@ -70,16 +70,19 @@ FastBody ContinuousPhase::fast_body(const Stores& world, const IslandPhase& isla
           .aside_limit = assembly == FastBody::alone ? alone_limit : world.aabbs.bounds.margin_limit[body]};
 }
 
+// Has a body noted that moves farther than this (m) in the step.
+void ContinuousPhase::watch(Stores& world, std::uint32_t body, double distance) {
+  double& sweep_distance = world.aabbs.bounds.sweep_distance[body];
+  if (sweep_distance < 0 || sweep_distance == std::numeric_limits<double>::infinity()) return;
+  on_surfaces_.push_back({body, sweep_distance});
+  sweep_distance = std::min(sweep_distance, distance);
+}
+
 // Bodies that something kinematic may pass over by more than speculative contacts reach, and that itself, are looked at
 // however little they move.
 void ContinuousPhase::watch_what_is_passed(Stores& world) {
   if (world.contents.kinematic == 0) return;
-  const auto watch = [&](std::uint32_t body) {
-    double& sweep_distance = world.aabbs.bounds.sweep_distance[body];
-    if (sweep_distance < 0) return;
-    on_surfaces_.push_back({body, sweep_distance});
-    sweep_distance = -1;
-  };
+  constexpr double however_little = -1;
   for (const std::uint32_t body : world.active.in_order()) {
     // A half-space has no front that could be past somebody: it pushes out whoever is in it.
     constexpr double unbounded = std::numeric_limits<double>::infinity();
@@ -91,8 +94,8 @@ void ContinuousPhase::watch_what_is_passed(Stores& world) {
       const collision::Contact& contact = world.cache.contacts[slot];
       const std::uint32_t other = contact.body_first == body ? contact.body_second : contact.body_first;
       if (!world.records.dynamic[other] || !(moves > collision::approach_share * contact.size)) return;
-      watch(body);
-      watch(other);
+      watch(world, body, however_little);
+      watch(world, other, however_little);
     });
   }
 }
@@ -112,11 +115,9 @@ void ContinuousPhase::watch_surface_contacts(Stores& world, const ContactPhase& 
     const bool of_second = world.records.dynamic[pair.second] != 0;
     if (!is_surface(of_second ? pair.first : pair.second)) continue;
     const std::uint32_t body = of_second ? pair.second : pair.first;
-    double& sweep_distance = world.aabbs.bounds.sweep_distance[body];
-    if (!(way < std::max<double>(sweep_distance, collision::approach_share * size))) continue;
-    if (sweep_distance < 0 || sweep_distance == std::numeric_limits<double>::infinity()) continue;
-    on_surfaces_.push_back({body, sweep_distance});
-    sweep_distance = std::min(sweep_distance, std::max(way, 0.0));
+    const double sweep_distance = world.aabbs.bounds.sweep_distance[body];
+    if (way < std::max<double>(sweep_distance, collision::approach_share * size))
+      watch(world, body, std::max(way, 0.0));
   }
 }
 

@@ -33,6 +33,7 @@ class ContinuousPhase {
              solver::FastBodies& moved);
 
  private:
+  void watch(Stores& world, std::uint32_t body, double distance);
   void watch_what_is_passed(Stores& world);
   // A body that was watched, and what its motion was held against before.
   struct OnSurface {

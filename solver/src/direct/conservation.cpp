@@ -22,9 +22,7 @@ bool all_ends(const DirectJoint& joint, const Visit& visit) {
 
 // A gear's bearings are elsewhere, and hold it, as motion locks hold a body.
 bool floats(const Joint* joints, const IslandProblem& problem) {
-  for (const DirectBody& body : problem.bodies) {
-    if (body.locks != 0) return false;
-  }
+  if (has_locks(problem)) return false;
   return std::all_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
     const Joint& of = joints[joint.joint];
     return all_ends(joint, [](std::uint32_t number, std::uint32_t) { return number != no_body; }) &&

@@ -38,6 +38,12 @@ void add_arm_stiffness(IslandProblem& problem, double scale, const Pull& pull) {
   for (DirectBody& body : problem.bodies) body.inverse_inertia = inverse_inertia_with(body.locks, body.inertia);
 }
 
+void take_mass(const BodyTable& table, DirectBody& body) {
+  const double inverse = table.inverse_mass[body.body];
+  ATL_ASSERT(inverse > 0, body.body, inverse);
+  body.weigh(1 / inverse, inverse);
+}
+
 // kg, by the impulses of the closing motion: how a rod that pulls holds its ends from going aside.
 double stiffness_of_rod(const Joint& of, const DirectJoint& joint) {
   double sum = 0;
@@ -69,9 +75,7 @@ bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandPr
     DirectBody& of = problem.bodies[i];
     of.body = body;
     of.locks = table.locks[body];
-    const double inverse_mass = table.inverse_mass[body];
-    ATL_ASSERT(inverse_mass > 0, body, inverse_mass);
-    of.weigh(1 / inverse_mass, inverse_mass);
+    take_mass(table, of);
     if (!joined && is_seen_heavier(table, body)) {
       const double swing = swing_in_contact(table, body, approach_speed(table, members, body), input.dt);
       of.inertia = inertia_in_contact(table, body, swing);
@@ -117,10 +121,7 @@ void add_closing_stiffness(const Joint* joints, IslandProblem& problem) {
 }
 
 void restore_masses(const BodyTable& table, IslandProblem& problem) {
-  for (DirectBody& body : problem.bodies) {
-    const double inverse = table.inverse_mass[body.body];
-    body.weigh(1 / inverse, inverse);
-  }
+  for (DirectBody& body : problem.bodies) take_mass(table, body);
 }
 
 void move(std::span<MovingBody> bodies, double share, const std::vector<double>& by) {

@@ -97,12 +97,6 @@ bool has_loops(const IslandProblem& problem) {
   return problem.joints.size() - tendons > problem.bodies.size() - (anchored ? 0 : 1);
 }
 
-// Tells bodies that motion locks hold, as other joints would.
-bool has_locks(const IslandProblem& problem) {
-  return std::any_of(problem.bodies.begin(), problem.bodies.end(),
-                     [](const DirectBody& body) { return body.locks != 0; });
-}
-
 // Records the impulses of held rows after a linear solution.
 void record_held_impulses(IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {

@@ -1,6 +1,5 @@
+#include <jobs/assert.h>
 #include <solver/integrate/motion_locks.h>
-
-#include <Eigen/LU>
 
 namespace atl::solver {
 
@@ -13,6 +12,7 @@ int shared_plane(const BodyTable& bodies, std::uint32_t first, std::uint32_t sec
 }
 
 Matrix3 inverse_on_free_axes(unsigned locked_axes, const Matrix3& inertia) {
+  ATL_ASSERT(locked_axes != 0, locked_axes);
   Matrix3 inverse = Matrix3::Zero();
   Eigen::Index free[3];
   int count = 0;
@@ -27,7 +27,6 @@ Matrix3 inverse_on_free_axes(unsigned locked_axes, const Matrix3& inertia) {
     inverse(b, b) = over * inertia(a, a);
     inverse(a, b) = inverse(b, a) = -over * inertia(a, b);
   }
-  if (count == 3) inverse = inertia.inverse();
   return inverse;
 }
 

@@ -301,7 +301,10 @@ inline void refresh_rows(const JointKernelData& data, bool moved, std::size_t be
         const M locked = hn::Gt(load(of[r].locked + lane), zero());
         rows[r].gap = hn::IfThenElseZero(locked, hn::Sub(found.value, load(of[r].lower + lane)));
         acts[r] = hn::And(hn::Ge(load(of[r].coordinate + lane), zero()), hn::IsFinite(found.value));
-        rows[r].floor = hn::IfThenElseZero(with, min_response_of(response_without_locks(c, inverse_mass, rows[r])));
+        rows[r].floor = zero();
+        if (!hn::AllFalse(D(), with)) {
+          rows[r].floor = hn::IfThenElseZero(with, min_response_of(response_without_locks(c, inverse_mass, rows[r])));
+        }
       }
       hold_rows(block, c, frames, lane, of, acts, rows);
       const ImpulseLanes before = impulse_of(data, block, lane);

@@ -3,6 +3,7 @@
 #include <jobs/arrays.h>
 #include <solver/direct/direct_rows.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <span>
@@ -40,6 +41,12 @@ struct IslandProblem {
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(bodies, contacts, joints, velocity, free); }
 };
+
+/// Tells bodies that motion locks hold, as other joints would.
+inline bool has_locks(const IslandProblem& problem) {
+  return std::any_of(problem.bodies.begin(), problem.bodies.end(),
+                     [](const DirectBody& body) { return body.locks != 0; });
+}
 
 /// Leaves out of six numbers a body those along and about the axes that it is locked on.
 inline void leave_out_locked(const std::vector<DirectBody>& bodies, std::span<double> values) {

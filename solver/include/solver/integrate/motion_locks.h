@@ -36,7 +36,7 @@ inline Vector3 without(unsigned axes, const Vector3& v) {
   return rest;
 }
 
-/// The inverse of an inertia on the axes whose bits are not set, and zero on the others.
+/// The inverse of an inertia on the axes whose bits are not set, and zero on the others, of which there are some.
 Matrix3 inverse_on_free_axes(unsigned locked_axes, const Matrix3& inertia);
 
 /// 1/(kg m^2), world frame: how a body answers a torque.
