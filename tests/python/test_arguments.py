@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import atoll
@@ -68,6 +69,45 @@ def test_enums_are_taken_by_their_names() -> None:
     ],
 )
 def test_a_name_that_is_none_of_an_enum_is_refused_with_the_names(call: Callable[[], Any], words: str) -> None:
+    with pytest.raises(TypeError) as raised:
+        call()
+    assert str(raised.value).startswith(words)
+
+
+class OfAnotherLibrary(np.ndarray[Any, np.dtype[Any]]):
+    """As trimesh's arrays are: numpy's, by a class of its own."""
+
+
+@pytest.mark.parametrize(
+    "vertices, triangles",
+    [
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+        (np.eye(3, dtype=np.float32), np.array([[0, 1, 2]])),
+        (np.asfortranarray(np.eye(3)), np.array([[0, 1, 2]], "u1")),
+        (np.eye(3).view(OfAnotherLibrary), np.array([[0, 1, 2]]).view(OfAnotherLibrary)),
+        (np.eye(6)[::2, ::2], np.array([[0.0, 1.0, 2.0]])),
+    ],
+)
+def test_arrays_are_taken_as_numpy_takes_them(vertices: Any, triangles: Any) -> None:
+    mesh = atoll.TriangleMesh(vertices, triangles)
+    assert np.array_equal(mesh.vertices, vertices)
+    assert mesh.triangles.tolist() == [[0, 1, 2]]
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: atoll.ConvexHull([0, 1, 2]), "ConvexHull: found numbers of shape (3,); expected (n, 3)"),
+        (lambda: atoll.HeightField([1, 2]), "HeightField: found numbers of shape (2,); expected (n, m)"),
+        (lambda: atoll.ConvexHull([[0, 1], [2]]), "ConvexHull: found what makes no array of numbers: ValueError"),
+        (lambda: atoll.ConvexHull("box"), "ConvexHull: found what makes no array of numbers: ValueError"),
+        (
+            lambda: atoll.TriangleMesh(np.eye(3), [[0, 1, -1]]),
+            "TriangleMesh: found numbers that are no indices; expected whole ones from 0 on",
+        ),
+    ],
+)
+def test_what_is_no_array_of_the_shape_is_refused_with_both_shapes(call: Callable[[], Any], words: str) -> None:
     with pytest.raises(TypeError) as raised:
         call()
     assert str(raised.value).startswith(words)

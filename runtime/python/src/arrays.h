@@ -8,8 +8,11 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
+#include <exception>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,11 +20,35 @@
 
 namespace atl::python {
 
-/// An array of float64 that is passed in, C-contiguous; others are converted on the way.
+/// Numbers that are passed in: an array, or what numpy makes one of, as lists of lists. It is used as it is where type
+/// and order fit, and copied else.
+template <typename T, typename... Dimensions>
+struct ArrayLike : nb::ndarray<const T, Dimensions..., nb::c_contig, nb::device::cpu> {};
+
 template <int columns>
-using Rows = nb::ndarray<const double, nb::shape<-1, columns>, nb::c_contig, nb::device::cpu>;
+using Rows = ArrayLike<double, nb::shape<-1, columns>>;
 /// The same with any number of columns.
-using Heights = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Heights = ArrayLike<double, nb::ndim<2>>;
+
+/// An array of numpy's of what is passed in; none, and a refusal, where it makes none, or its numbers would be others.
+inline nb::object numpy_array(nb::handle numbers, const char* type, bool whole) {
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  const nb::object found = numpy.attr("asarray")(numbers);
+  nb::object array = numpy.attr("asarray")(found, type, nb::arg("order") = "C");
+  if (!whole || nb::cast<bool>(numpy.attr("array_equal")(found, array))) return array;
+  refusal() = "found numbers that are no indices; expected whole ones from 0 on";
+  return nb::none();
+}
+
+template <ssize_t... lengths>
+std::string words_of(nb::shape<lengths...>) {
+  std::string words;
+  const char* free = "nmk";
+  for (const ssize_t length : {lengths...}) {
+    words += (words.empty() ? "(" : ", ") + (length < 0 ? std::string(1, *free++) : std::to_string(length));
+  }
+  return words + ")";
+}
 
 /// The rows as columns, without a copy.
 template <int columns>
@@ -91,3 +118,40 @@ nb::object records_of(std::span<const Record> records, const std::vector<Member>
 }
 
 }  // namespace atl::python
+
+namespace nanobind::detail {
+
+template <typename T, typename... Dimensions>
+struct type_caster<atl::python::ArrayLike<T, Dimensions...>> {
+  using Taken = atl::python::ArrayLike<T, Dimensions...>;
+  NB_TYPE_CASTER(Taken, const_name("numpy.typing.ArrayLike"))
+
+  bool from_python(handle src, std::uint8_t, cleanup_list* cleanup) noexcept {
+    if (src.is_none()) return false;
+    if (take(src, cleanup)) return true;
+    try {
+      const object array =
+          atl::python::numpy_array(src, std::is_integral_v<T> ? "uint32" : "float64", std::is_integral_v<T>);
+      if (array.is_none()) return false;
+      if (take(array, cleanup)) return true;
+      std::string wanted;
+      ((wanted += atl::python::words_of(Dimensions{})), ...);
+      atl::python::refusal() =
+          cast<std::string>(str("found numbers of shape {}; expected ").format(array.attr("shape")));
+      atl::python::refusal() += wanted;
+    } catch (const std::exception& error) {
+      atl::python::refusal() = "found what makes no array of numbers: " + std::string(error.what());
+    }
+    return false;
+  }
+
+ private:
+  bool take(handle array, cleanup_list* cleanup) noexcept {
+    make_caster<ndarray<const T, Dimensions..., c_contig, device::cpu>> caster;
+    if (!caster.from_python(array, 0, cleanup)) return false;
+    value = Taken{std::move(caster.value)};
+    return true;
+  }
+};
+
+}  // namespace nanobind::detail

@@ -15,13 +15,13 @@
 
 namespace atl::python {
 
-using Values = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Values = ArrayLike<double>;
+using Numbers = ArrayLike<double, nb::ndim<1>>;
+template <int columns>
+using Cube = ArrayLike<double, nb::shape<-1, -1, columns>>;
 
 using Mask = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Places = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-template <int columns>
-using Cube = nb::ndarray<const double, nb::shape<-1, -1, columns>, nb::c_contig, nb::device::cpu>;
 
 #define ATOLL_WORLDS \
   "numpy.typing.NDArray[numpy.bool_] | numpy.typing.NDArray[numpy.int64] | collections.abc.Sequence[int] | None"

@@ -16,7 +16,7 @@
 namespace atl::python {
 namespace {
 
-using Indices = nb::ndarray<const std::uint32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Indices = ArrayLike<std::uint32_t, nb::shape<-1, 3>>;
 
 std::span<const Vector3> points_of(const Rows<3>& rows) {
   static_assert(sizeof(Vector3) == 3 * sizeof(double));
