@@ -157,14 +157,17 @@ void check_type(const char* field, const BodyConstants& body) {
   }
 }
 
-void find_principal_axes(BodyConstants& body) {
-  body.moments = body.inertia.diagonal();
-  if (body.inertia.isDiagonal()) return;
-  const Eigen::SelfAdjointEigenSolver<Matrix3> principal(body.inertia);
+struct PrincipalInertia {
+  Vector3 moments;
+  Matrix3 axes;
+};
+
+PrincipalInertia principal_inertia(const Matrix3& inertia) {
+  if (inertia.isDiagonal()) return {inertia.diagonal(), Matrix3::Identity()};
+  const Eigen::SelfAdjointEigenSolver<Matrix3> principal(inertia);
   Matrix3 axes = principal.eigenvectors();
   if (axes.determinant() < 0) axes = -axes;
-  body.principal_axes = Quaternion(axes);
-  body.moments = principal.eigenvalues();
+  return {principal.eigenvalues(), axes};
 }
 
 // Throws unless single precision holds a dynamic body's mass and moments, and its inertia is a valid one.
@@ -179,11 +182,6 @@ void check_loads(const char* field, double mass, const BodyConstants& body) {
         field, mass,
         "a mass of 1e-30 to 1e30 kg, and moments of inertia of 1e-36 to 1e36 kg m^2: single precision holds no more");
   }
-  // The least moment of a needle that lies askew in its frame is lost in rounding; it may come out negative.
-  if (!has_consistent_inertia(body)) {
-    refuse("BodyDef: the inertia", body.inertia,
-           "one whose least principal moment is at least 1e-12 of the largest, or that is diagonal");
-  }
 }
 
 // Sets the constants that follow from the mass properties of a dynamic body.
@@ -193,6 +191,13 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
   // Exactly symmetric, as files have it.
   body.inertia = properties.inertia.selfadjointView<Eigen::Upper>();
   body.inverse_mass = 1 / properties.mass;
+  PrincipalInertia principal = principal_inertia(body.inertia);
+  const double min = solver::resolved_share * principal.moments.maxCoeff();
+  if (principal.moments.minCoeff() < min) {
+    principal.moments = principal.moments.cwiseMax(min);
+    const Matrix3 raised = principal.axes * principal.moments.asDiagonal() * principal.axes.transpose();
+    body.inertia = raised.selfadjointView<Eigen::Upper>();
+  }
   body.inverse_inertia = body.inertia.inverse();
   const double moment = body.inertia(0, 0);
   // A body that can't turn freely needs no gyroscopic torque.
@@ -200,7 +205,10 @@ void take_mass(const MassProperties& properties, BodyConstants& body) {
                     (body.inertia - moment * Matrix3::Identity()).cwiseAbs().maxCoeff() > 1e-12 * moment;
   body.principal_axes = Quaternion::Identity();
   body.moments.setZero();
-  if (body.gyroscopic) find_principal_axes(body);
+  if (body.gyroscopic) {
+    body.principal_axes = Quaternion(principal.axes);
+    body.moments = principal.moments;
+  }
   check_loads("BodyDef: mass", properties.mass, body);
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "support/scene_run.h"
@@ -64,6 +65,36 @@ TEST(Scale, StacksOfSmallAndLargeBoxesStand) {
       EXPECT_LT(position.head<2>().norm(), 0.02 * size);
       EXPECT_NEAR(position.z(), (static_cast<double>(i) + 0.5) * size, std::max(0.002 * size, 3e-3));
       EXPECT_LT(tilt(world, ids[i]), 0.02);
+    }
+  }
+}
+
+// Chains of needles as slender as 1 to a million, whose moments differ by up to 5e11. One joint in two is a hinge, so
+// that the spin of needles about themselves counts.
+TEST(Scale, NeedlesHangOnJoints) {
+  for (const double ratio : {1e2, 1e3, 1e4, 1e5, 1e6}) {
+    for (const JointSolver solver : {JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct}) {
+      World world({.settings = {.joint_solver = solver}});
+      std::vector<BodyId> chain = {world.add_body(static_box({0, 0, 0}, Vector3::Constant(0.1)))};
+      for (int i = 0; i < 4; ++i) {
+        BodyDef def = box({0.5 + i, 0, 0}, {0.5, 0.5 / ratio, 0.5 / ratio});
+        def.mass = 1;
+        def.orientation = Eigen::AngleAxisd(0.6 * (i % 2), Vector3::UnitX());
+        chain.push_back(world.add_body(def));
+        const JointKind kind = i % 2 == 0 ? JointKind(BallJoint{}) : JointKind(HingeJoint{});
+        world.add_joint(joint_at(world, kind, chain.end()[-2], chain.back(), {1.0 * i, 0, 0}, Vector3::UnitX()));
+      }
+      double gap = 0;
+      for (int i = 0; i < 600; ++i) {
+        world.step(dt);
+        for (std::size_t k = 1; k < chain.size(); ++k) {
+          const Pose above = world.pose(chain[k - 1]), below = world.pose(chain[k]);
+          const Vector3 end = above.position + above.orientation * Vector3(k > 1 ? 0.5 : 0, 0, 0);
+          gap = std::max(gap, (end - below.position - below.orientation * Vector3(-0.5, 0, 0)).norm());
+        }
+      }
+      EXPECT_TRUE(world.quarantined().empty()) << "1:" << ratio;
+      EXPECT_LT(gap, solver == JointSolver::Iterative ? 0.01 : 1e-8) << "1:" << ratio;
     }
   }
 }

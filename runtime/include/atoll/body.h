@@ -55,7 +55,7 @@ struct BodyDef {
   /// kg m^2, body frame, about the centre of mass: symmetric, positive definite, principal moments
   /// obeying the triangle inequality. Needs mass. Moments below a tenth of the mass times the square of the shape's
   /// inner radius, which no solid of one density has, count as that much where the body touches others, but for islands
-  /// with joints.
+  /// with joints. Those below a millionth of the largest count as that much everywhere: solvers resolve no less.
   std::optional<Matrix3> inertia = {};
   /// m, body frame: where its weight is, whatever its shape. Needs inertia. The shape's own, if left out.
   std::optional<Vector3> centre_of_mass = {};

@@ -15,7 +15,7 @@ Matrix3 principal_axes(const BodyTable& bodies, std::uint32_t body) {
 Vector3 moments_of(const BodyTable& bodies, std::uint32_t body, double swing) {
   ATL_ASSERT(!(swing < 0), body, swing);
   const Vector3 moments = moments_in_contact(bodies, body);
-  return moments.cwiseMax(std::clamp(swing * swing, resolved_share, 1.0) * moments.maxCoeff());
+  return moments.cwiseMax(std::min(swing * swing, 1.0) * moments.maxCoeff());
 }
 
 }  // namespace

@@ -58,6 +58,27 @@ void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
   count_ = first_dynamic_ + static_cast<std::uint32_t>(input.islands.bodies(group.begin, group.end).size());
 }
 
+namespace {
+
+double least_moment(const BodyTable& bodies, std::uint32_t body) {
+  return bodies.gyroscopic[body] ? bodies.moments[body].minCoeff() : bodies.inertia[body].diagonal().minCoeff();
+}
+
+Matrix3 inverse_in_sweeps(const BodyTable& bodies, std::uint32_t body) {
+  const Matrix3& own = bodies.inertia[body];
+  if (!(least_moment(bodies, body) < swept_share * own.trace())) return world_inverse_inertia(bodies, body);
+  const Matrix3 rotation = bodies.orientation(body).toRotationMatrix();
+  const Matrix3 inertia = symmetric_product(product(rotation, own), rotation);
+  return inverse_inertia_with(bodies.locks[body], resolved_inertia(bodies, body, inertia));
+}
+
+}  // namespace
+
+Matrix3 resolved_inertia(const BodyTable& bodies, std::uint32_t body, const Matrix3& inertia) {
+  const double min = swept_share * inertia.trace();
+  return least_moment(bodies, body) < min ? Matrix3(inertia + min * Matrix3::Identity()) : inertia;
+}
+
 void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse) {
   ATL_ASSERT(!((inverse - inverse.transpose()).norm() > 1e-6 * inverse.norm()), local, inverse.norm());
   for (VelocityRows* velocity : {&rows.velocity[local], &rows.start_velocity[local]}) {
@@ -94,8 +115,7 @@ void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies,
     ATL_ASSERT(!heavier || local < approaches.size(), body, local, approaches.size());
     if (!rows.shape.empty()) load_shape(input, body, local, rows);
     const double swing = heavier ? swing_in_contact(table, body, approaches[local], input.dt) : 0;
-    Matrix3 inverse_inertia =
-        heavier ? inverse_inertia_in_contact(table, body, swing) : world_inverse_inertia(table, body);
+    Matrix3 inverse_inertia = heavier ? inverse_inertia_in_contact(table, body, swing) : inverse_in_sweeps(table, body);
     if (!rows.shape.empty() && rows.shape[local].kind > 0 && table.gyroscopic[body]) {
       // The inertia in the orientation half way through the step.
       const Vector3 turn = get3(rows.shape[local].half_turn);

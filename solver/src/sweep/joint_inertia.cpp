@@ -22,9 +22,9 @@ void JointInertia::stiffen(const SolveInput& input, std::span<const std::uint32_
       continue;
     }
     const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
-    set_inverse_inertia(rows, first_dynamic_ + i,
-                        inverse_inertia_with(input.bodies.locks[bodies[i]],
-                                             symmetric_product(product(rotation, own), rotation) + added));
+    const Matrix3 inertia =
+        resolved_inertia(input.bodies, bodies[i], symmetric_product(product(rotation, own), rotation) + added);
+    set_inverse_inertia(rows, first_dynamic_ + i, inverse_inertia_with(input.bodies.locks[bodies[i]], inertia));
   }
 }
 
@@ -38,7 +38,7 @@ void JointInertia::find_followers(const SolveInput& input, std::span<const std::
     const Matrix3& added = stiffness_[first_dynamic_ + i];
     const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
     const Matrix3 own = symmetric_product(product(rotation, input.bodies.inertia[bodies[i]]), rotation);
-    followers_.push_back({i, !added.isZero(0), own + added});
+    followers_.push_back({i, !added.isZero(0), resolved_inertia(input.bodies, bodies[i], own + added)});
   }
 }
 
@@ -53,6 +53,7 @@ void JointInertia::follow(const SolveInput& input, std::span<const std::uint32_t
     const Matrix3 rotation = turn.normalized().toRotationMatrix();
     Matrix3 inertia = symmetric_product(product(rotation, input.bodies.inertia[body]), rotation);
     if (follower.stiff) inertia += stiffness_[local];
+    inertia = resolved_inertia(input.bodies, body, inertia);
     const Matrix3 inverse = symmetric_inverse(inertia);
     // The joints' effect is carried over as a change of spin. The same angular impulse is another change with this
     // inertia.

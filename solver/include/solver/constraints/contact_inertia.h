@@ -14,12 +14,12 @@ inline constexpr double min_moment_share = 0.1;
 /// energy in impacts: 100 capsules of 1:6 that hit a wall at 1000 m/s don't, 100 of 1:50 do.
 inline constexpr double slender_ratio = 100;
 
-/// Part of the largest moment that the least one counts as at least. The inverse of less is so large that its rounding
-/// to single precision is more than all of the inverse of the largest: needles of 1:10^4 that lay still took off at
-/// 1e7 m/s. Those of 1:1000 are above it.
+/// Part of the largest moment that a body's least one counts as at least, wherever it is. The inverse of less is so
+/// large that its rounding to single precision is more than all of the inverse of the largest. Then sweeps see a matrix
+/// that isn't positive: needles of 1:10^4 that lay still took off at 1e7 m/s. Those of 1:1000 are above it.
 inline constexpr double resolved_share = 1e-6;
 
-/// True if contacts may have to assume more inertia than a body has, in islands without joints. There are three causes.
+/// True if contacts may have to assume more inertia than a body has, in islands without joints. There are two causes.
 ///
 /// The first is a body with moments that no solid of its shape could have. An impulse at a contact point turns it
 /// thousands of times as easily as it moves it. Sweeps would spin it ever faster instead of lifting it: a needle of 1
@@ -30,8 +30,6 @@ inline constexpr double resolved_share = 1e-6;
 /// spin about the light axis as it was; once the axis has swung by an angle, that angle's share of the spin is about
 /// the heavy axes. Its energy grows by the ratio of the largest to the least moment times the angle's square. So the
 /// least moment counts as no less than the largest times that square.
-///
-/// The third is single precision: see resolved_share.
 bool is_seen_heavier(const BodyTable& bodies, std::uint32_t body);
 
 /// kg m^2, about the principal axes: what such a body has at least, however it moves.

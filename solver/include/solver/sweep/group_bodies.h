@@ -57,6 +57,13 @@ std::vector<double> approach_speeds(const SolveInput& input, const IslandGroup& 
 void load_bodies(const SolveInput& input, std::span<const std::uint32_t> bodies, std::size_t begin, std::size_t end,
                  std::uint32_t first_dynamic, std::span<const double> approaches, SolverBodies& rows);
 void load_kinematic_bodies(const SolveInput& input, std::span<const std::uint32_t> kinematic, SolverBodies& rows);
+/// Part of the sum of its moments that a body's least one is raised by where it is less, in sweeps of joints. Rounding
+/// the inverse to single precision then changes no moment by more than 1%. Four needles of 1:10^4 on joints came
+/// apart with less, at 1e-6 by 6 m within 10 s; at 1e-5 gaps are those of rods of 1:100.
+inline constexpr double swept_share = 1e-5;
+
+/// An inertia of a body with what else counts as such (kg m^2, world frame), as sweeps of joints take it.
+Matrix3 resolved_inertia(const BodyTable& bodies, std::uint32_t body, const Matrix3& inertia);
 /// 1/(kg m^2), world frame.
 void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse);
 
