@@ -28,6 +28,13 @@ void add_square(double* block, const Vector3& row, const Vector3& column, const 
   }
 }
 
+// The stiffness of what slides or rolls is another at each motion, but for what nothing presses on.
+bool has_turning_stiffness(const DirectContact& contact) {
+  const ContactPieces& pieces = contact.answer.pieces;
+  const bool slides = pieces.slides != 0 && !contact.law.pyramid && contact.law.friction_bound > 0;
+  return slides || (pieces.rolls && contact.law.rolling_bound > 0);
+}
+
 }  // namespace
 
 std::size_t max_factor_blocks(std::size_t body_count, bool touch) {
@@ -65,6 +72,7 @@ bool IslandMatrix::factor(IslandProblem& problem) {
   for (DirectContact& contact : problem.contacts) {
     add_stiffness(contact, contact.law.derivative(contact.motion, contact.answer.pieces));
     contact.factored = contact.answer.pieces;
+    contact.factored_in_motion = has_turning_stiffness(contact);
   }
   for (DirectJoint& joint : problem.joints) add_stiffness(joint, Rows::Others);
   return problem.factored = system_.factor();
@@ -199,13 +207,10 @@ void IslandMatrix::add_stiffness(DirectJoint& joint, Rows rows) {
 
 bool is_factored(const IslandProblem& problem) {
   if (!problem.factored) return false;
-  // The stiffness of what slides is another at each motion, but for what nothing presses on.
   return std::all_of(problem.contacts.begin(), problem.contacts.end(),
                      [](const DirectContact& contact) {
-                       const ContactPieces& pieces = contact.answer.pieces;
-                       const bool slides = pieces.slides != 0 && !contact.law.pyramid && contact.law.friction_bound > 0;
-                       const bool turns = slides || (pieces.rolls && contact.law.rolling_bound > 0);
-                       return contact.factored == pieces && !turns;
+                       return contact.factored == contact.answer.pieces && !contact.factored_in_motion &&
+                              !has_turning_stiffness(contact);
                      }) &&
          std::all_of(problem.joints.begin(), problem.joints.end(), [](const DirectJoint& joint) {
            for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {

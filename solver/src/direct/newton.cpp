@@ -136,6 +136,14 @@ bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
   }
 }
 
+bool go_to_end_of_last_pieces(IslandProblem& problem, BalanceSearch& search) {
+  balance_on_last_pieces(problem, search.gradient);
+  if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
+  find_direction(problem, search);
+  go_along(search.direction, 1, problem.velocity);
+  return true;
+}
+
 }  // namespace
 
 void balance_on_last_pieces(IslandProblem& problem, std::vector<double>& gradient) {
@@ -152,15 +160,14 @@ bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
 }
 
 bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {
-  balance_on_last_pieces(problem, search.gradient);
-  if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
-  find_direction(problem, search);
-  go_along(search.direction, 1, problem.velocity);
+  if (!go_to_end_of_last_pieces(problem, search)) return false;
   follow_load(problem.contacts, 1);
   return true;
 }
 
-bool solve_nearby(IslandProblem& problem, BalanceSearch& search) { return minimise(problem, search, 0); }
+bool solve_nearby(IslandProblem& problem, BalanceSearch& search) {
+  return go_to_end_of_last_pieces(problem, search) && minimise(problem, search, 0);
+}
 
 bool step_by_newton(IslandProblem& problem, BalanceSearch& search) {
   balance_by_laws(problem, search.gradient);

@@ -68,8 +68,9 @@ struct DirectContact {
   Six motion;               ///< at the velocities of the problem
   Six change;               ///< along its search direction
   ContactAnswer answer;
-  ContactAnswer lasting;   ///< at the velocities that bodies keep
-  ContactPieces factored;  ///< the pieces that the matrix was factored for
+  ContactAnswer lasting;            ///< at the velocities that bodies keep
+  ContactPieces factored;           ///< the pieces that the matrix was factored for
+  bool factored_in_motion = false;  ///< it slid or rolled then: its stiffness holds for that motion alone
 
   void add_motion(double sign, const Vector3& arm, const Vector3& v, const Vector3& w, Six& to) const;
   /// The part of the motion at the contact that velocities of the problem's bodies cause.
