@@ -117,12 +117,13 @@ TEST(Knob, HeapsOverlapNoMoreByMoreIterations) {
              {"bridge:planks=20", 200},
              {"vehicle", 200}};
   }
+  const std::uint64_t seeds = long_tests() ? 12 : 3;
   for (const Case& of : cases) {
     for (const Stabilisation stabilisation : all_stabilisations) {
       const auto overlap = [&](int iterations) {
         double sum = 0;
         int looks = 0;
-        for (const std::uint64_t seed : {1, 2, 3}) {
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
           const Settings settings = {.iterations = iterations, .stabilisation = stabilisation};
           SceneRun run(load_scene(of.scene, seed), {.settings = settings});
           for (int i = 1; i <= of.steps; ++i) {

@@ -26,7 +26,9 @@ struct SceneRun {
     ids = build_scene(scene, world);
   }
 
-  PenetrationReport penetration() const { return measure_penetration(placed_shapes(scene, world, ids)); }
+  PenetrationReport penetration() const {
+    return measure_penetration(placed_shapes(scene, world, ids), may_touch(scene));
+  }
   RestReport rest() const {
     return measure_rest(placed_shapes(scene), placed_shapes(scene, world, ids), -scene.gravity.normalized());
   }
