@@ -78,6 +78,8 @@ TEST(Energy, NorWhereMotionsAreLocked) {
   AssemblyKind kind = plain;
   kind.ranges = kind.pinned = kind.locks = true;
   EXPECT_EQ(gaining(seeds(), kind, JointSolver::Direct), 0);
+  EXPECT_FALSE(gains(5852, kind, JointSolver::Direct));  // they start with velocities that their joints forbid
+  EXPECT_FALSE(gains(7942, kind, JointSolver::Direct));
   EXPECT_EQ(gaining(seeds(), kind, JointSolver::Iterative, true), 0);
 }
 

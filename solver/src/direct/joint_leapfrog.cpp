@@ -195,6 +195,40 @@ void weigh_joined(const Joint* joints, double h, IslandProblem& problem, Balance
   forget_factor(problem);
 }
 
+bool is_against_locks(const IslandProblem& problem, const DirectJoint& joint) {
+  double speed = 0, radius = 0;  // m/s, of its bodies, and m, that makes speeds of spins
+  for (const std::uint32_t body : {joint.first, joint.second}) {
+    if (body == no_body) continue;
+    radius = std::max(radius, problem.bodies[body].radius);
+    speed += linear_part(problem.velocity, body).norm() +
+             problem.bodies[body].radius * angular_part(problem.velocity, body).norm();
+  }
+  double square = 0;
+  for (std::size_t r = 0; r < joint.rows; ++r) {
+    if (!joint.law[r].locked) continue;
+    const double rate = joint.rate_before[r] * (joint.at[r].linear.isZero() ? radius : 1);
+    square += rate * rate;
+  }
+  return square > tuning::energy_tolerance * speed * speed;
+}
+
+void hold_locks_alone(const Joint* joints, IslandProblem& problem) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (law.locked()) {
+        joint.law[r].lock_rate = 0;
+        continue;
+      }
+      joint.law[r] = {};
+      joint.law[r].spring_slope = law.armature;
+      joint.law[r].spring_rate = joint.rate_before[r];
+      joint.rate[r] = joint.rate_before[r];
+    }
+  }
+  forget_factor(problem);
+}
+
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {

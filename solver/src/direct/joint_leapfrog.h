@@ -30,6 +30,11 @@ void forget_bends(const Joint* joints, IslandProblem& problem);
 /// seconds: with rows in place and before they have laws, so that locks and armatures alone act.
 void weigh_joined(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search);
 
+/// True if the rates that were noted are notably other than a joint's locks allow.
+bool is_against_locks(const IslandProblem& problem, const DirectJoint& joint);
+/// The laws of rows where nothing acts but locks, beside the inertia of armatures at the rates that were noted.
+void hold_locks_alone(const Joint* joints, IslandProblem& problem);
+
 /// The laws of rows over a kick, from the rates that were noted: see RowLaw::of_kick().
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem);
 /// Adds the further impulses of springs and servos in a kick, after a solution; see kick_correction().

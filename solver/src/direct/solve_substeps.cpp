@@ -147,6 +147,7 @@ bool Substeps::solve() {
   if (alone_) {
     conserved_ = Conservation(input_, rows_, problem_, bodies_);
     if (rows_.damps && !by_bodies_) weigh_joined(input_.joints, h_, problem_, motions_.search);
+    if (rows_.acts) give_up_what_locks_forbid();
     kick(-1);
   }
   for (int substep = 0; substep < substeps; ++substep) {
@@ -185,6 +186,17 @@ void Substeps::begin() {
 void Substeps::place(double time) {
   place_joints(input_, time, h_, bodies_, problem_);
   if (by_bodies_) weigh_locks(input_.joints, problem_);
+}
+
+// Velocities that were given may be none that the joints allow. Forces are taken back from what is left of them: rows
+// that go at the rates they have would be driven at rates that they don't keep.
+void Substeps::give_up_what_locks_forbid() {
+  record_rates(problem_.velocity, problem_.joints);
+  const auto forbids = [&](const DirectJoint& joint) { return is_against_locks(problem_, joint); };
+  if (std::none_of(problem_.joints.begin(), problem_.joints.end(), forbids)) return;
+  hold_locks_alone(input_.joints, problem_);
+  problem_.free = problem_.velocity;
+  if (!solve_rows()) problem_.velocity = problem_.free;
 }
 
 // Takes half a substep's forces back (-1), or on (1). Springs and servos have their half of it with all others, and

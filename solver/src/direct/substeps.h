@@ -47,6 +47,7 @@ class Substeps {
   bool project();
 
  private:
+  void give_up_what_locks_forbid();
   void kick(int sign);
   bool find_velocities(double time);
   void even_out_dampers();
