@@ -303,7 +303,9 @@ inline void refresh_rows(const JointKernelData& data, bool moved, std::size_t be
         acts[r] = hn::And(hn::Ge(load(of[r].coordinate + lane), zero()), hn::IsFinite(found.value));
         rows[r].floor = zero();
         if (!hn::AllFalse(D(), with)) {
-          rows[r].floor = hn::IfThenElseZero(with, min_response_of(response_without_locks(c, inverse_mass, rows[r])));
+          constexpr auto least = static_cast<float>(tuning::min_swept_response_share);
+          const V without = response_without_locks(c, inverse_mass, rows[r]);
+          rows[r].floor = hn::IfThenElseZero(with, hn::Mul(splat(least), without));
         }
       }
       hold_rows(block, c, frames, lane, of, acts, rows);
