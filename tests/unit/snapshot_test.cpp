@@ -400,6 +400,7 @@ TEST(SnapshotFile, NumbersThatNoWorldHasAreRefused) {
   World world({.gravity = Vector3::Zero()});
   world.add_body({.shape = Box{{0.375, 0.4375, 0.53125}},
                   .position = {1.0625, 2, 3},
+                  .orientation = {0.6, 0.8, 0, 0},
                   .mass = 0.625,
                   .material = {.friction = 0.71875},
                   .linear_damping = 0.15625});
@@ -435,6 +436,7 @@ TEST(SnapshotFile, NumbersThatNoWorldHasAreRefused) {
   expect_refusal(0.34375, nan, "a shape with invalid numbers");
   expect_refusal(0.3125, nan, "a body without a valid centre of mass");
   expect_refusal(1 / 0.625, nan, "a body without a valid mass");
+  expect_refusal(0.8, 0.8 + 1e-8, "an orientation that is none");
   expect_refusal(1.0625, nan, "a body whose state is not finite");
   expect_refusal(1.1875, nan, "a body whose state is not finite");  // in quarantine
   expect_refusal(1.4375, nan, "a body whose state is not finite");  // not yet checked by a step
