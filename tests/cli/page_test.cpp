@@ -20,7 +20,9 @@ using Json = nlohmann::ordered_json;
 // A sweep with runs of every kind: done, without error, fallen, non-finite, stopped.
 class SweepPage : public testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { sweep(); }
+
+  void sweep() {
     const CommandResult result =
         run_atoll(words_of("sweep stack:height=2 pile:bodies=3 " + hostile_scene() +
                            " --substeps 1,4 --iterations 1 --simd auto --steps 30 --repeats 2 --time 1e-6 --peer " +
@@ -38,6 +40,20 @@ class SweepPage : public testing::Test {
 
   ScratchDirectory scratch_;
   Json results_;
+};
+
+// What a browser makes of it.
+class LoadedSweepPage : public SweepPage {
+ protected:
+  void SetUp() override {
+    browser_ = find_browser();
+    if (browser_) return sweep();
+    const char* ci = std::getenv("CI");
+    if (long_tests() && ci != nullptr && std::string(ci) == "true") FAIL() << "no Chromium was found where CI=true";
+    GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
+  }
+
+  std::optional<std::string> browser_;
 };
 
 std::size_t count(const std::string& text, const std::string& word) {
@@ -110,14 +126,12 @@ std::string page_on_screen(const std::string& page, int width) {
 </script></body>)re";
 }
 
-TEST_F(SweepPage, FitsAPhonesScreen) {
-  const std::optional<std::string> browser = find_browser();
-  if (!browser) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
+TEST_F(LoadedSweepPage, FitsAPhonesScreen) {
   const std::regex shown(R"re(data-screen="(\d+)" data-page="(\d+)" data-beyond="([^"]*)")re");
   for (const int width : {390, 1280}) {
     SCOPED_TRACE(width);
     const std::string file = scratch_.write("screen.html", page_on_screen(read_text(page()), width));
-    const std::string document = load_page(*browser, file, 1400).document;
+    const std::string document = load_page(*browser_, file, 1400).document;
     std::smatch found;
     ASSERT_TRUE(std::regex_search(document, found, shown));
     // Less the bar that it is scrolled by, where there is one.
@@ -138,31 +152,23 @@ TEST_F(SweepPage, NamesNothingOutsideItself) {
 }
 
 // And each of these with the place that it came from.
-TEST_F(SweepPage, IsLinkedWithAPageThatPlaysEachScene) {
-  const std::optional<std::string> browser = find_browser();
-  if (!browser) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
-  const std::string document = load_page(*browser, page(), 1200).document;
+TEST_F(LoadedSweepPage, IsLinkedWithAPageThatPlaysEachScene) {
+  const std::string document = load_page(*browser_, page(), 1200).document;
   for (std::size_t scene = 0; scene < results_["scenes"].size(); ++scene) {
     const std::string name = "view-" + std::to_string(scene) + ".html", place = "scene-" + std::to_string(scene);
     EXPECT_EQ(results_["scenes"][scene]["view"], name);
     EXPECT_EQ(count(document, "href=\"" + name + "\""), 1u);
     EXPECT_EQ(count(document, "id=\"" + place + "\""), 1u);
-    const LoadedPage loaded = load_page(*browser, scratch_.path("out") + "/" + name, 1200);
+    const LoadedPage loaded = load_page(*browser_, scratch_.path("out") + "/" + name, 1200);
     EXPECT_EQ(loaded.console, "");
     EXPECT_EQ(count(loaded.document, "href=\"index.html#" + place + "\">Error against run time</a>"), 1u);
   }
 }
 
-TEST_F(SweepPage, DrawsEveryRunWithoutAConsoleMessage) {
-  const std::optional<std::string> browser = find_browser();
-  if (!browser) {
-    const char* ci = std::getenv("CI");
-    if (long_tests() && ci != nullptr && std::string(ci) == "true") FAIL() << "no Chromium was found where CI=true";
-    GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
-  }
+TEST_F(LoadedSweepPage, DrawsEveryRunWithoutAConsoleMessage) {
   for (const int width : {1200, 390}) {
     SCOPED_TRACE(width);
-    const LoadedPage loaded = load_page(*browser, page(), width);
+    const LoadedPage loaded = load_page(*browser_, page(), width);
     ASSERT_EQ(loaded.status, 0);
     EXPECT_EQ(loaded.console, "");
 
