@@ -214,6 +214,23 @@ TEST(Energy, NeedlesInFlightKeepTheirs) {
   }
 }
 
+// And what has three moments, about whichever axis it turns.
+TEST(Energy, BricksInFlightKeepTheirs) {
+  for (const double spin : {1e2, 1e4, 3e4, 1e5, 5e5}) {
+    for (const Vector3& axis : {Vector3(1, 0.3, 0.1), Vector3(0.1, 1, 0.3), Vector3(0.3, 0.1, 1)}) {
+      World world({.gravity = Vector3::Zero()});
+      BodyDef brick = box({0, 0, 0}, {0.5, 0.1, 0.3});
+      brick.angular_velocity = spin * axis;
+      const std::vector<BodyId> ids = {world.add_body(brick)};
+      const double start = mechanical_energy(world, ids);
+      for (int i = 0; i < 300; ++i) {
+        ASSERT_EQ(world.step(dt).quarantined, 0) << spin;
+        ASSERT_NEAR(mechanical_energy(world, ids), start, 1e-4 * start) << spin << " rad/s, step " << i;
+      }
+    }
+  }
+}
+
 // A hundred rods side by side, a little askew, at a wall of 2 mm.
 // Rods that turn by up to fifty radians in a step, and land on the ground, and on another that lies there.
 TEST(Energy, RodsThatSpinBlindlyGainNone) {

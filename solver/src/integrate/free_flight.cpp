@@ -65,10 +65,48 @@ struct RotationSteps {
   }
 };
 
-// The orientation after h seconds in which the momentum stays what it is.
+// J
+double energy_of(const BodyTable& bodies, std::uint32_t body, const Quaternion& orientation, const Vector3& momentum) {
+  const Vector3 own = orientation.conjugate() * momentum;
+  return 0.5 * own.dot(bodies.inverse_inertia[body] * own);
+}
+
+// An orientation near by at which a momentum has so much energy: on the great circle of such momenta towards the axis
+// with the most or least of it. Along that it is a mean and a sine of twice the angle.
+Quaternion with_energy(const BodyTable& bodies, std::uint32_t body, const Quaternion& orientation,
+                       const Vector3& momentum, double energy) {
+  constexpr double exact = 1e-9;
+  const Matrix3& inverse = bodies.inverse_inertia[body];
+  const Vector3 own = orientation.conjugate() * momentum;
+  const double here = 0.5 * own.dot(inverse * own);
+  if (!(std::abs(here - energy) > exact * energy)) return orientation;
+  int axis = 0;
+  here > energy ? bodies.moments[body].maxCoeff(&axis) : bodies.moments[body].minCoeff(&axis);
+  const Vector3 extreme = bodies.principal_axes[body] * Vector3::Unit(axis);
+  const Vector3 towards = extreme - extreme.dot(own) / own.squaredNorm() * own;
+  const Vector3 across = std::sqrt(own.squaredNorm() / towards.squaredNorm()) * towards;
+  if (!across.allFinite()) return orientation;
+  const double there = 0.5 * across.dot(inverse * across), both = 0.5 * across.dot(inverse * own);
+  const double cosine = 0.5 * (here - there);
+  const double most = std::sqrt(cosine * cosine + both * both);
+  const double wanted = std::clamp((energy - 0.5 * (here + there)) / most, -1.0, 1.0);
+  const double top = arctangent(both, cosine), from_top = arctangent(std::sqrt(1 - wanted * wanted), wanted);
+  const double twice = std::abs(top - from_top) < std::abs(top + from_top) ? top - from_top : top + from_top;
+  const SineCosine turn = sine_cosine(0.5 * twice);
+  const Vector3 next = turn.cosine * own + turn.sine * across;
+  const Vector3 axis_of_turn = next.cross(own);  // by which the one comes to the other
+  const Quaternion between(own.squaredNorm() + next.dot(own), axis_of_turn.x(), axis_of_turn.y(), axis_of_turn.z());
+  return (orientation * between.normalized()).normalized();
+}
+
+// The orientation after h seconds in which the momentum stays what it is. In steps of many radians a SplitTop would
+// not keep the energy of a body with three moments.
 Quaternion turned_freely(const BodyTable& bodies, std::uint32_t body, const Quaternion& start, const Vector3& momentum,
                          double h, bool splits) {
-  if (splits) return SplitTop(bodies.moments[body], bodies.principal_axes[body]).turned(start, momentum, h);
+  if (splits) {
+    const Quaternion end = SplitTop(bodies.moments[body], bodies.principal_axes[body]).turned(start, momentum, h);
+    return with_energy(bodies, body, end, momentum, energy_of(bodies, body, start, momentum));
+  }
   const Vector3 turn = free_turn(start.conjugate() * momentum, bodies.inverse_inertia[body], h);
   return (start * rotation_by(turn)).normalized();
 }

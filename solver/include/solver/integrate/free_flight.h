@@ -9,8 +9,9 @@ namespace atl::solver {
 /// Moves a dynamic body that nothing touches, in double: exact for constant acceleration (semi-implicit Euler
 /// would miss half a h^2 a step), exact for a spin about a fixed axis. With an anisotropic inertia the angular
 /// momentum is held exactly and the orientation follows it to fourth order, by Magnus' series for its rotation vector
-/// (Iserles and Norsett, "On the solution of linear differential equations in Lie groups", 1999). Damping acts at the
-/// end of each substep, implicitly, as it does on bodies in contact.
+/// (Iserles and Norsett, "On the solution of linear differential equations in Lie groups", 1999). One that turns by more
+/// than 200 rad in a step goes on as a SplitTop, and its energy is put right after each part. Damping acts at the end
+/// of each substep, implicitly, as it does on bodies in contact.
 void move_free_body(BodyTable& bodies, std::uint32_t body, const Vector3& gravity, double dt, int substeps,
                     collision::MotionBounds& bounds, FastBodies& fast);
 
