@@ -78,7 +78,8 @@ struct Acting {
       const double length = length_of(impulse[0], impulse[1]);
       for (int axis : {0, 1}) impulse[axis] *= length > bound ? bound / length : 1;
     }
-    ATL_ASSERT(friction == Friction::Pyramid || !(length_of(impulse[0], impulse[1]) > bound * (1 + 1e-9)),
+    // The axes of an ellipse are in single precision.
+    ATL_ASSERT(friction == Friction::Pyramid || !(length_of(impulse[0], impulse[1]) > bound * (1 + 1e-6)),
                contact.block, contact.lane, impulse[0], impulse[1], bound);
     const double twist_bound = bound * contact.friction.radius + contact.friction.torsional * pushed;
     impulse[2] = std::clamp(impulse[2] - contact.friction.twist_mass * now[2], -twist_bound, twist_bound);
