@@ -88,8 +88,8 @@ Quaternion with_energy(const BodyTable& bodies, std::uint32_t body, const Quater
   if (!across.allFinite()) return orientation;
   const double there = 0.5 * across.dot(inverse * across), both = 0.5 * across.dot(inverse * own);
   const double cosine = 0.5 * (here - there);
-  const double most = std::sqrt(cosine * cosine + both * both);
-  const double wanted = std::clamp((energy - 0.5 * (here + there)) / most, -1.0, 1.0);
+  const double amplitude = std::sqrt(cosine * cosine + both * both);
+  const double wanted = std::clamp((energy - 0.5 * (here + there)) / amplitude, -1.0, 1.0);
   const double top = arctangent(both, cosine), from_top = arctangent(std::sqrt(1 - wanted * wanted), wanted);
   const double twice = std::abs(top - from_top) < std::abs(top + from_top) ? top - from_top : top + from_top;
   const SineCosine turn = sine_cosine(0.5 * twice);
