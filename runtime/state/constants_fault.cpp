@@ -1,4 +1,5 @@
 #include <atoll/error.h>
+#include <solver/integrate/motion_locks.h>
 
 #include <algorithm>
 #include <cmath>
@@ -79,6 +80,7 @@ bool has_valid_mass(const BodyConstants& body) {
   constexpr double rounding = 1e-9;
   const double mass = 1 / body.inverse_mass;
   if (!(mass >= loads.min * (1 - rounding) && mass <= loads.max * (1 + rounding))) return false;
+  if (body.gyroscopic && solver::angular_locks(body.locks) != 0) return false;  // it can't turn freely
   return has_consistent_inertia(body);
 }
 

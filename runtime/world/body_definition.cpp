@@ -122,7 +122,8 @@ bool has_consistent_inertia(const BodyConstants& body) {
   if (!(body.inertia * body.inverse_inertia).isIdentity(1e-4)) return false;
   if (!body.gyroscopic) return true;
   const Matrix3 axes = body.principal_axes.toRotationMatrix();
-  return std::abs(body.principal_axes.squaredNorm() - 1) < 1e-9 && body.moments.minCoeff() > 0 &&
+  return std::abs(body.principal_axes.squaredNorm() - 1) < 1e-9 &&
+         body.moments.minCoeff() > 0.999 * solver::resolved_share * body.moments.maxCoeff() &&
          (axes * body.moments.asDiagonal() * axes.transpose()).isApprox(body.inertia, 1e-6);
 }
 
