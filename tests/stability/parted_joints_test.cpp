@@ -126,5 +126,30 @@ TEST(PartedJoints, WhatJointsHoldInOneAnotherStaysAtRest) {
   }
 }
 
+// A universal joint that starts where its axes are one, and a rotor in the joint after it: along a coordinate that
+// moves nothing a rotor has no answer to how it bends, and everything was lost in the first step.
+TEST(PartedJoints, ARotorWhereAxesAreOneLosesNothing) {
+  World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = JointSolver::Direct}});
+  const BodyId first = world.add_body(box({1, 1, 1}, {0.5, 0.5, 0.2}));
+  const BodyId second = world.add_body(box({1, 1, 1}, {0.5, 0.5, 0.2}));
+  const BodyId third = world.add_body(box({0.57, -0.03, -0.85}, {0.3, 0.3, 0.2}));
+  const Quaternion quarter(Eigen::AngleAxisd(std::acos(0.0), Vector3::UnitZ()));
+  world.add_joint({.kind = UniversalJoint{.second = {.armature = 2, .friction = 50}},
+                   .first = first,
+                   .second = second,
+                   .frame_first = {{0.5, 0.5, 0.5}, Quaternion(-0.123, -0.696, -0.696, -0.123)},
+                   .frame_second = {{-0.09, -0.09, -0.09}, Quaternion::Identity()}});
+  SixDofJoint joint;
+  joint.offset[0].spring = JointSpring{.hertz = 13, .rest = 0.5};
+  joint.turn[2].armature = 1.1;
+  world.add_joint({.kind = joint,
+                   .first = second,
+                   .second = third,
+                   .frame_first = {{-0.2, -0.5, -0.9}, quarter},
+                   .frame_second = {{0.2, 0.5, 0.9}, quarter}});
+  run(world, 10);
+  EXPECT_TRUE(world.quarantined().empty());
+}
+
 }  // namespace
 }  // namespace atl::test::parted_joints_test
