@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -23,9 +24,18 @@ Shape solid_of(const ConvexShape& shape) {
   return std::visit([](const auto& solid) { return Shape(solid); }, shape);
 }
 
-// m: negative where they are apart, by as much if one of the two is round.
+bool is_unseen(const CollisionFilter& filter) { return filter.mask == 0 || filter.category == 0; }
+
+// m: of what queries see of a body. Negative where they are apart, by as much if one of the two is round.
 double overlap_of(const World& world, BodyId id, const ConvexShape& shape, const Pose& pose) {
-  const BodyDef def = world.definition(id);
+  BodyDef def = world.definition(id);
+  if (auto* compound = std::get_if<Compound>(&def.shape)) {
+    std::erase_if(compound->children,
+                  [&](const CompoundChild& child) { return is_unseen(child.filter.value_or(def.filter)); });
+    if (compound->children.empty()) return -std::numeric_limits<double>::infinity();
+  } else if (is_unseen(def.filter)) {
+    return -std::numeric_limits<double>::infinity();
+  }
   return overlap({.shape = solid_of(shape), .pose = pose}, {def.type, def.shape, world.pose(id)});
 }
 
