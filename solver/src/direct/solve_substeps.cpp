@@ -147,7 +147,6 @@ bool Substeps::solve() {
   if (alone_) {
     conserved_ = Conservation(input_, rows_, problem_, bodies_);
     if (rows_.damps && !by_bodies_) weigh_joined(input_.joints, h_, problem_, motions_.search);
-    if (rows_.acts) give_up_what_locks_forbid();
     kick(-1);
   }
   for (int substep = 0; substep < substeps; ++substep) {
@@ -191,18 +190,19 @@ void Substeps::place(double time) {
 // Velocities that were given may be none that the joints allow. Forces are taken back from what is left of them: rows
 // that go at the rates they have would be driven at rates that they don't keep.
 void Substeps::give_up_what_locks_forbid() {
-  record_rates(problem_.velocity, problem_.joints);
   const auto forbids = [&](const DirectJoint& joint) { return is_against_locks(problem_, joint); };
   if (std::none_of(problem_.joints.begin(), problem_.joints.end(), forbids)) return;
   hold_locks_alone(input_.joints, problem_);
   problem_.free = problem_.velocity;
   if (!solve_rows()) problem_.velocity = problem_.free;
+  record_rates(problem_.velocity, problem_.joints);
 }
 
 // Takes half a substep's forces back (-1), or on (1). Springs and servos have their half of it with all others, and
 // joints answer to them together: a spring that bears a load is in balance with it at every instant.
 void Substeps::kick(int sign) {
   if (rows_.acts) record_rates(problem_.velocity, problem_.joints);
+  if (rows_.acts && sign < 0) give_up_what_locks_forbid();
   problem_.free = problem_.velocity;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     linear_part(problem_.free, i) += (0.5 * sign * h_) * bodies_[i].acceleration;

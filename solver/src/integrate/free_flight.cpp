@@ -78,7 +78,8 @@ Quaternion with_energy(const BodyTable& bodies, std::uint32_t body, const Quater
   constexpr double exact = 1e-9;
   const Matrix3& inverse = bodies.inverse_inertia[body];
   const Vector3 own = orientation.conjugate() * momentum;
-  const double here = 0.5 * own.dot(inverse * own);
+  const Vector3 spin = inverse * own;
+  const double here = 0.5 * own.dot(spin);
   if (!(std::abs(here - energy) > exact * energy)) return orientation;
   int axis = 0;
   here > energy ? bodies.moments[body].maxCoeff(&axis) : bodies.moments[body].minCoeff(&axis);
@@ -86,7 +87,7 @@ Quaternion with_energy(const BodyTable& bodies, std::uint32_t body, const Quater
   const Vector3 towards = extreme - extreme.dot(own) / own.squaredNorm() * own;
   const Vector3 across = std::sqrt(own.squaredNorm() / towards.squaredNorm()) * towards;
   if (!across.allFinite()) return orientation;
-  const double there = 0.5 * across.dot(inverse * across), both = 0.5 * across.dot(inverse * own);
+  const double there = 0.5 * across.dot(inverse * across), both = 0.5 * across.dot(spin);
   const double cosine = 0.5 * (here - there);
   const double amplitude = std::sqrt(cosine * cosine + both * both);
   const double wanted = std::clamp((energy - 0.5 * (here + there)) / amplitude, -1.0, 1.0);

@@ -67,14 +67,16 @@ double least_moment(const BodyTable& bodies, std::uint32_t body) {
 Matrix3 inverse_in_sweeps(const BodyTable& bodies, std::uint32_t body) {
   const Matrix3& own = bodies.inertia[body];
   if (!(least_moment(bodies, body) < swept_share * own.trace())) return world_inverse_inertia(bodies, body);
-  const Matrix3 rotation = bodies.orientation(body).toRotationMatrix();
-  const Matrix3 inertia = symmetric_product(product(rotation, own), rotation);
-  return inverse_inertia_with(bodies.locks[body], resolved_inertia(bodies, body, inertia));
+  const Matrix3 inertia = resolved_inertia(bodies, body, bodies.orientation(body), Matrix3::Zero());
+  return inverse_inertia_with(bodies.locks[body], inertia);
 }
 
 }  // namespace
 
-Matrix3 resolved_inertia(const BodyTable& bodies, std::uint32_t body, const Matrix3& inertia) {
+Matrix3 resolved_inertia(const BodyTable& bodies, std::uint32_t body, const Quaternion& orientation,
+                         const Matrix3& added) {
+  const Matrix3 rotation = orientation.toRotationMatrix();
+  const Matrix3 inertia = symmetric_product(product(rotation, bodies.inertia[body]), rotation) + added;
   const double min = swept_share * inertia.trace();
   return least_moment(bodies, body) < min ? Matrix3(inertia + min * Matrix3::Identity()) : inertia;
 }

@@ -16,14 +16,11 @@ void JointInertia::stiffen(const SolveInput& input, std::span<const std::uint32_
     ATL_ASSERT(first_dynamic_ + i < stiffness_.size(), bodies[i], i, stiffness_.size());
     Matrix3& added = stiffness_[first_dynamic_ + i];
     added *= h * h;
-    const Matrix3& own = input.bodies.inertia[bodies[i]];
-    if (!(added.trace() > negligible * own.trace())) {
+    if (!(added.trace() > negligible * input.bodies.inertia[bodies[i]].trace())) {
       added.setZero();
       continue;
     }
-    const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
-    const Matrix3 inertia =
-        resolved_inertia(input.bodies, bodies[i], symmetric_product(product(rotation, own), rotation) + added);
+    const Matrix3 inertia = resolved_inertia(input.bodies, bodies[i], input.bodies.orientation(bodies[i]), added);
     set_inverse_inertia(rows, first_dynamic_ + i, inverse_inertia_with(input.bodies.locks[bodies[i]], inertia));
   }
 }
@@ -35,10 +32,8 @@ void JointInertia::find_followers(const SolveInput& input, std::span<const std::
   followers_.clear();
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
     if (!input.bodies.gyroscopic[bodies[i]] || !joined.follows(i)) continue;
-    const Matrix3& added = stiffness_[first_dynamic_ + i];
-    const Matrix3 rotation = input.bodies.orientation(bodies[i]).toRotationMatrix();
-    const Matrix3 own = symmetric_product(product(rotation, input.bodies.inertia[bodies[i]]), rotation);
-    followers_.push_back({i, !added.isZero(0), resolved_inertia(input.bodies, bodies[i], own + added)});
+    followers_.push_back({i, resolved_inertia(input.bodies, bodies[i], input.bodies.orientation(bodies[i]),
+                                              stiffness_[first_dynamic_ + i])});
   }
 }
 
@@ -50,10 +45,7 @@ void JointInertia::follow(const SolveInput& input, std::span<const std::uint32_t
     const Vector3 spin = get3(rows.velocity[local].angular);
     if (!(spin_of(rows, local).squaredNorm() > tuning::min_spin * tuning::min_spin)) continue;
     const Quaternion turn = rotation_of(rows.displacement[local]) * input.bodies.orientation(body);
-    const Matrix3 rotation = turn.normalized().toRotationMatrix();
-    Matrix3 inertia = symmetric_product(product(rotation, input.bodies.inertia[body]), rotation);
-    if (follower.stiff) inertia += stiffness_[local];
-    inertia = resolved_inertia(input.bodies, body, inertia);
+    const Matrix3 inertia = resolved_inertia(input.bodies, body, turn.normalized(), stiffness_[local]);
     const Matrix3 inverse = symmetric_inverse(inertia);
     // The joints' effect is carried over as a change of spin. The same angular impulse is another change with this
     // inertia.

@@ -62,8 +62,10 @@ void load_kinematic_bodies(const SolveInput& input, std::span<const std::uint32_
 /// apart with less, at 1e-6 by 6 m within 10 s; at 1e-5 gaps are those of rods of 1:100.
 inline constexpr double swept_share = 1e-5;
 
-/// An inertia of a body with what else counts as such (kg m^2, world frame), as sweeps of joints take it.
-Matrix3 resolved_inertia(const BodyTable& bodies, std::uint32_t body, const Matrix3& inertia);
+/// The inertia of a body in an orientation, and what else counts as such (kg m^2, world frame), as sweeps of joints
+/// take it.
+Matrix3 resolved_inertia(const BodyTable& bodies, std::uint32_t body, const Quaternion& orientation,
+                         const Matrix3& added);
 /// 1/(kg m^2), world frame.
 void set_inverse_inertia(SolverBodies& rows, std::size_t local, const Matrix3& inverse);
 

@@ -40,7 +40,6 @@ class JointInertia {
   // A body whose inertia joints see turn with it.
   struct Follower {
     std::uint32_t place;
-    bool stiff;       // tension counts as inertia
     Matrix3 inertia;  // kg m^2, world frame, as velocities were last changed with it
   };
 
