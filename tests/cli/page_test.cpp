@@ -42,7 +42,7 @@ class SweepPage : public testing::Test {
   Json results_;
 };
 
-// What a browser makes of it.
+// The page of such a sweep in a browser, without which it is not swept.
 class LoadedSweepPage : public SweepPage {
  protected:
   void SetUp() override {

@@ -46,7 +46,7 @@ BodyId turn_of(const std::vector<BodyId>& bodies, int step) {
   return bodies[static_cast<std::size_t>(step) % bodies.size()];
 }
 
-// What decides over contacts, and shapes and materials that change.
+// Filters, modifiers and sensors, which decide over contacts, and shapes and materials that change.
 std::vector<Feature> contacts_and_shapes() {
   return {
       {.name = "filter",
@@ -57,7 +57,7 @@ std::vector<Feature> contacts_and_shapes() {
            },
        .act =
            [](World& world, const std::vector<BodyId>& bodies, int step) {
-             if (step % 7 == 3) world.refilter(bodies[static_cast<std::size_t>(step) % bodies.size()]);
+             if (step % 7 == 3) world.refilter(turn_of(bodies, step));
            }},
       // One that says something else as time goes by, without a memory of its own.
       {.name = "moody_filter",
@@ -69,7 +69,7 @@ std::vector<Feature> contacts_and_shapes() {
            },
        .act =
            [](World& world, const std::vector<BodyId>& bodies, int step) {
-             if (step % 4 == 1) world.refilter(bodies[static_cast<std::size_t>(step) % bodies.size()]);
+             if (step % 4 == 1) world.refilter(turn_of(bodies, step));
            }},
       {.name = "modifier",
        .equip =
@@ -112,7 +112,7 @@ std::vector<Feature> contacts_and_shapes() {
       {.name = "set_shape",
        .act =
            [](World& world, const std::vector<BodyId>& bodies, int step) {
-             const BodyId id = bodies[static_cast<std::size_t>(step) % bodies.size()];
+             const BodyId id = turn_of(bodies, step);
              if (step % 5 == 2) world.set_shape(id, Capsule{.radius = 0.2, .half_height = 0.2});
              if (step % 5 == 4) world.set_shape(id, pieces(step));
            }},
@@ -132,14 +132,14 @@ std::vector<Feature> contacts_and_shapes() {
       {.name = "set_material",
        .act =
            [](World& world, const std::vector<BodyId>& bodies, int step) {
-             const BodyId id = bodies[static_cast<std::size_t>(step) % bodies.size()];
+             const BodyId id = turn_of(bodies, step);
              if (step % 4 == 1) world.set_material(id, {.friction = 0.05 * (step % 9), .restitution = 0.02 * step});
              if (step % 4 == 3) world.set_material(id, {.friction = 0.4, .torsional_friction = 0.02});
            }},
       {.name = "user_data_and_names",
        .act =
            [](World& world, const std::vector<BodyId>& bodies, int step) {
-             const BodyId id = bodies[static_cast<std::size_t>(step) % bodies.size()];
+             const BodyId id = turn_of(bodies, step);
              world.set_user_data(id, world.user_data(id) + 1);
              world.set_name(id, "body " + std::to_string(step));
            },
@@ -147,7 +147,7 @@ std::vector<Feature> contacts_and_shapes() {
   };
 }
 
-// What a body was created with, changed later, and its sleep.
+// Definitions of bodies that change after they were added, their sleep, and settings of the world.
 std::vector<Feature> changed_bodies() {
   const auto redefine = [](World& world, BodyId id, const std::function<void(BodyDef&)>& change) {
     BodyDef def = world.definition(id);
@@ -243,7 +243,7 @@ std::vector<Feature> changed_bodies() {
   };
 }
 
-// What surfaces do to one another, and what a world tells of it: that pushes bodies, and so shows in the state.
+// Surfaces, and events and forces that a world tells of. These push bodies, so that they show in the state.
 std::vector<Feature> surfaces_and_events() {
   return {
       {.name = "turning_surfaces",
@@ -355,16 +355,14 @@ std::vector<Feature> changed_joints() {
              if (step != 1 && step != 22) return;
              if (step == 22) return world.remove_joint(world.joints().back());
              std::vector<TendonTerm> terms;
-             double length = 0;
              for (const std::size_t i : {16u, 17u}) {
                const Pose pose = world.pose(bodies[i]);
                const BodyId wheel = world.add_body(static_box(pose.position + Vector3(0, 0, 2), {0.1, 0.1, 0.1}));
                const DistanceJoint rope{{.range = {0, unlimited}}};
                const JointId id = world.add_joint({.kind = rope, .first = wheel, .second = bodies[i]});
                terms.push_back({.joint = id});
-               length += 2;
              }
-             world.add_joint({.kind = TendonJoint{.terms = terms, .length = {.range = {0, length}}}});
+             world.add_joint({.kind = TendonJoint{.terms = terms, .length = {.range = {0, 4}}}});
            }},
   };
 }

@@ -16,6 +16,9 @@ void check_shape(const Shape& shape);
 void check_same_results(const World& a, const World& b);
 void check_same_reports(const StepReport& a, const StepReport& b);
 
+/// Takes from a definition the shapes that no query without a filter finds. False if that is all.
+bool keep_what_is_seen(BodyDef& def);
+
 /// Asks all worlds the same, chosen from bytes, and holds the answers to each other; and where numbers are usual, to
 /// those of worlds of one body each, and overlaps to the audit. Throws Finding.
 void check_queries(std::span<const World> worlds, Definitions& definitions, Bytes& bytes);

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "consistency.h"
 #include "definitions.h"
 #include "finding.h"
 #include "target.h"
@@ -24,18 +25,10 @@ Shape solid_of(const ConvexShape& shape) {
   return std::visit([](const auto& solid) { return Shape(solid); }, shape);
 }
 
-bool is_unseen(const CollisionFilter& filter) { return filter.mask == 0 || filter.category == 0; }
-
 // m: of what queries see of a body. Negative where they are apart, by as much if one of the two is round.
 double overlap_of(const World& world, BodyId id, const ConvexShape& shape, const Pose& pose) {
   BodyDef def = world.definition(id);
-  if (auto* compound = std::get_if<Compound>(&def.shape)) {
-    std::erase_if(compound->children,
-                  [&](const CompoundChild& child) { return is_unseen(child.filter.value_or(def.filter)); });
-    if (compound->children.empty()) return -std::numeric_limits<double>::infinity();
-  } else if (is_unseen(def.filter)) {
-    return -std::numeric_limits<double>::infinity();
-  }
+  if (!fuzz::keep_what_is_seen(def)) return -std::numeric_limits<double>::infinity();
   return overlap({.shape = solid_of(shape), .pose = pose}, {def.type, def.shape, world.pose(id)});
 }
 

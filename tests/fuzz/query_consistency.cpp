@@ -51,22 +51,14 @@ void require_nearest(const std::optional<Hit>& hit, const std::optional<double>&
               std::to_string(alone.value_or(0)));
 }
 
-// Then no query finds it, or not all of it.
-bool lets_nothing_touch(const BodyDef& def) {
-  if (def.filter.mask == 0) return true;
-  const Compound* const compound = std::get_if<Compound>(&def.shape);
-  return compound != nullptr && std::any_of(compound->children.begin(), compound->children.end(),
-                                            [](const auto& child) { return child.filter && child.filter->mask == 0; });
-}
-
 void check_overlaps(const World& world, const QueryShape& query, const std::vector<BodyId>& found) {
   if (!query.shape) return;
   const PlacedShape placed{.shape = std::visit([](const auto& solid) { return Shape(solid); }, *query.shape),
                            .pose = {query.position, query.orientation.normalized()}};
   for (const BodyId id : world.bodies()) {
     if (is_out(world, id)) continue;
-    const BodyDef def = world.definition(id);
-    if (def.sensor || lets_nothing_touch(def)) continue;
+    BodyDef def = world.definition(id);
+    if (def.sensor || !keep_what_is_seen(def)) continue;
     // Meshes have no inside here, and in the audit a solid below a field is deep in it.
     if (std::holds_alternative<TriangleMesh>(def.shape) || std::holds_alternative<HeightField>(def.shape)) continue;
     const double depth = overlap(placed, {def.type, def.shape, world.pose(id)});
@@ -279,6 +271,15 @@ void check_batches(const World& world, Definitions& definitions, Bytes& bytes) {
 }
 
 }  // namespace
+
+bool keep_what_is_seen(BodyDef& def) {
+  const auto is_seen = [](const CollisionFilter& filter) { return filter.mask != 0 && filter.category != 0; };
+  auto* const compound = std::get_if<Compound>(&def.shape);
+  if (compound == nullptr) return is_seen(def.filter);
+  std::erase_if(compound->children,
+                [&](const CompoundChild& child) { return !is_seen(child.filter.value_or(def.filter)); });
+  return !compound->children.empty();
+}
 
 void check_filtered_queries(std::span<const World> worlds, Definitions& definitions, Bytes& bytes) {
   try {
