@@ -42,3 +42,12 @@ function(atoll_off_the_step target)
   target_compile_options(${target} PRIVATE ${off_the_step})
   target_precompile_headers(${target} REUSE_FROM atoll_precompiled_off_the_step)
 endfunction()
+
+# GCC looks through its memory for what it may use again, which takes a seventh of its time. Where each compiler has 3 GB
+# it needn't; one takes up to 1.3 GB then, and otherwise 1.1.
+cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)
+cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+math(EXPR each "${memory} / ${cores}")
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND each GREATER 3000)
+  target_compile_options(atoll_flags INTERFACE --param=ggc-min-heapsize=2000000)
+endif()
