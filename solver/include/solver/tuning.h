@@ -23,6 +23,12 @@ inline constexpr double joint_hertz_limit = 0.28;
 /// Relaxing sweeps over joints for each one asked for. At 0.275, with one, 19 of these mechanisms gain energy; with
 /// three as many as with two.
 inline constexpr int joint_relaxations = 2;
+/// Sweeps over joints ahead of a substep's last are over-relaxed (D. M. Young, "Iterative methods for solving partial
+/// difference equations of elliptic type", 1954): by n / (n + this) where n more follow. That takes more of the slowest
+/// errors at the price of fast ones, which later sweeps smooth. At 32 sweeps a rigid chain of 20 with 100 times the mass
+/// at its end is open by 0.76 mm without, by 0.10 with this, and by 0.08 and 0.14 with 2 and 5; a net by 0.117, 0.028,
+/// 0.027 and 0.032.
+inline constexpr float relaxing_sweeps = 3;
 /// Smallest part of a row's response J M^-1 J^T that must be left while its joint holds. A row with less would act by
 /// single precision's rounding, and stays as it is; or is left out, where it is motion locks that leave so little.
 inline constexpr double min_response_share = 1e-5;
@@ -82,10 +88,10 @@ inline constexpr int max_impact_rounds = 64;
 inline constexpr int max_impact_sweeps = 20;
 inline constexpr double impact_tolerance = 1e-10;
 
-/// Sweeps over a group's joints in a substep in which some coordinate bounces at the end of its range.
 /// Newton's steps to friction's ellipse, to 1e-12. With half axes of up to a million to one, a million random slips
 /// took 15 at most, and half of them 3.
 inline constexpr int ellipse_rounds = 16;
+/// Sweeps over a group's joints in a substep in which some coordinate bounces at the end of its range.
 inline constexpr int joint_bounce_sweeps = 16;
 
 /// rad/s: the tumbling of bodies that spin slower is neglected (the square is an angular acceleration), so that a pile

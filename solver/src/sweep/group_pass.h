@@ -355,12 +355,18 @@ void GroupPass<Executor>::solve_systems(int number) {
   loops_.each_system([&](DirectJoints& system) { system.solve_velocities(setup_.input, number, parts_.bodies); });
 }
 
+// Ahead of so many sweeps, which smooth what it leaves.
+inline float over_relaxation(int sweeps) {
+  return 1 + static_cast<float>(sweeps) / (static_cast<float>(sweeps) + tuning::relaxing_sweeps);
+}
+
 // Sweeps until the residual is small, or for as often as is asked for. Joints first: contacts are what may not give.
 template <typename Executor>
 void GroupPass<Executor>::sweep(Sweep how, JointSweep joints, int iterations, int number) {
   how.measures = setup_.settings.tolerance > 0;
   for (int i = 0; i < iterations; ++i) {
     LargestOf residual;
+    joints.relaxation = over_relaxation(iterations - 1 - i);
     how.backwards = setup_.relaxes && (number + i) % 2 == 1;
     if (how.push != Push::Split && !how.relaxes) {
       solve_systems(number);

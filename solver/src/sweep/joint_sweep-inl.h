@@ -132,7 +132,9 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   const V rate = row_rate(linear, angular_first, angular_second, c);
   const V free = hn::Sub(rate, hn::Mul(load(row.inverse_mass + lane), old_impulse));
   const V change = hn::Sub(lawful_rate<push>(row, lane, sweep.moved, free), rate);
-  const V impulse = hn::Mul(mass, change);
+  // What has bounds is not over-relaxed: limits would pull, and motors push with more than they may.
+  const M locked = hn::Gt(hn::Min(load(row.soft_lower + lane), load(row.soft_upper + lane)), zero());
+  const V impulse = hn::Mul(mass, hn::IfThenElse(locked, hn::Mul(splat(sweep.relaxation), change), change));
   JointLanes solved = c;
   apply(solved, impulse * linear, impulse * angular_first, impulse * angular_second);
   // Lanes without this row keep every bit, even the sign of a zero, so that results don't depend on the other lanes.
@@ -156,8 +158,8 @@ HWY_INLINE V3 closing_speed(V bias_rate, const V3& offset, float inverse_h) {
 }
 
 template <Push push>
-HWY_INLINE void solve_point(const SubstepConstants& constants, JointBlock& block, std::size_t lane, bool measures,
-                            JointLanes& c, Residual& residual) {
+HWY_INLINE void solve_point(const SubstepConstants& constants, JointBlock& block, std::size_t lane,
+                            const JointSweep& sweep, JointLanes& c, Residual& residual) {
   const PointLanes point = PointLanes::load_from(block, lane);
   const SymmetricMatrix mass = load_matrix(block.mass, lane);
   const V3 rate = point.rate(c);
@@ -168,14 +170,16 @@ HWY_INLINE void solve_point(const SubstepConstants& constants, JointBlock& block
     const V3 closing = closing_speed(load(block.bias_rate + lane), load3(block.offset, lane), constants.inverse_h);
     impulse = hn::Neg(load(block.mass_scale + lane)) * (mass * (rate + closing));
   }
+  impulse = splat(sweep.relaxation) * impulse;
   // A split sweep holds the point without an accumulated impulse; only softness and warm start need one.
   if constexpr (push != Push::Split) {
     const V3 old_impulse = load3(block.impulse, lane);
-    if constexpr (push == Push::Bias) impulse = impulse - load(block.impulse_scale + lane) * old_impulse;
+    if constexpr (push == Push::Bias)
+      impulse = impulse - hn::Mul(splat(sweep.relaxation), load(block.impulse_scale + lane)) * old_impulse;
     store3(old_impulse + impulse, block.impulse, lane);
   }
   point.apply_to(c, impulse);
-  if (!measures) return;
+  if (!sweep.measures) return;
   const V3 change = point.rate(c) - rate;
   residual.add(hn::Sqrt(dot(change, change)));
 }
@@ -204,7 +208,7 @@ float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, s
         float* impulse = push == Push::Split ? data.split_rows[r].impulse : data.rows[r].impulse;
         solve_row<push>(data.rows[r], impulse, lane, sweep, c, residual);
       }
-      if (block.point != 0) solve_point<push>(data.constants, block, lane, sweep.measures, c, residual);
+      if (block.point != 0) solve_point<push>(data.constants, block, lane, sweep, c, residual);
       store_joint_bodies(c, data, block, lane);
     }
   }
