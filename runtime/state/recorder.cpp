@@ -13,23 +13,26 @@ Recorder::Recorder(const std::filesystem::path& path, const RecordingOptions& op
 
 void Recorder::record_geometry(const BodyConstants& constants) {
   for (const CheckedCollider& collider : constants.colliders) {
-    if (!collider.geometry || !geometry_.emplace(collider.shape.kind, collider.content).second) continue;
+    const auto geometry = std::pair(collider.shape.kind, collider.content);
+    if (!collider.geometry || geometry_.contains(geometry)) continue;
     StateWriter writer(bytes_);
     write_geometry(writer, collider);
     write(RecordKind::Geometry, writer);
+    geometry_.insert(geometry);  // should memory run out, it is written twice
   }
 }
 
 // The number of a kind of body; a new kind is recorded ahead of its first body.
 std::uint32_t Recorder::number_of_kind(const BodyConstants& constants, std::uint64_t kind) {
-  const auto [entry, is_new] = kinds_.try_emplace(kind, static_cast<std::uint32_t>(kinds_.size()));
-  if (is_new) {
-    record_geometry(constants);
-    StateWriter writer(bytes_);
-    visit_constants(writer, constants);
-    write(RecordKind::BodyKind, writer);
-  }
-  return entry->second;
+  if (const auto found = kinds_.find(kind); found != kinds_.end()) return found->second;
+  record_geometry(constants);
+  StateWriter writer(bytes_);
+  visit_constants(writer, constants);
+  const auto number = static_cast<std::uint32_t>(kinds_.size());
+  kinds_.emplace(kind, number);
+  // Nothing but the file fails from here on: the number stands for the record.
+  write(RecordKind::BodyKind, writer);
+  return number;
 }
 
 void Recorder::record_body(const CheckedBody& body, std::uint64_t kind) {

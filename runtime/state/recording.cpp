@@ -4,6 +4,7 @@
 #include <atoll/recording.h>
 #include <atoll/world.h>
 
+#include <new>
 #include <string>
 #include <utility>
 
@@ -21,8 +22,13 @@ void World::Impl::record(const std::string& path, const RecordingOptions& option
                 "; expected 1 or more");
   }
   recorder = std::make_unique<Recorder>(path, options, arena.threads(), simd_of(*kernels));
-  record_state();
-  recorder->record_hash(state_hash());
+  try {
+    record_state();
+    recorder->record_hash(state_hash());
+  } catch (const std::bad_alloc&) {
+    recorder.reset();
+    throw;
+  }
 }
 
 void World::Impl::record_state() {

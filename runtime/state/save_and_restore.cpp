@@ -1,5 +1,7 @@
 // A world's state as bytes, and back; its hash.
 
+#include <utility>
+
 #include "state/world_definition_state.h"
 #include "state/world_state.h"
 #include "world/bodies.h"
@@ -17,13 +19,15 @@ std::size_t World::Impl::save_state(std::vector<std::byte>& bytes) const {
 
 void World::Impl::restore(const std::shared_ptr<const WorldDefinition>& saved, std::uint64_t origin,
                           std::span<const std::byte> state, bool from_file) {
+  const bool half_done = step_guard.is_half_done();
   const bool is_known = world_definition_.known_as == saved && world_definition_.version == stores.records.version;
-  if (!is_known && !are_same(*saved, *world_definition())) {
-    if (origin != serial) check_bodies_match(*saved, *world_definition());
+  if (half_done || (!is_known && !are_same(*saved, *world_definition()))) {
+    if (origin != serial && !half_done) check_bodies_match(*saved, *world_definition());
     adopt(with_geometry(saved, *world_definition()));
   }
   world_definition_.known_as = saved;
   read_state(state, from_file);
+  step_guard.begin_anew();
 }
 
 void World::Impl::try_out(const std::shared_ptr<const WorldDefinition>& world_definition,
@@ -39,9 +43,13 @@ void World::Impl::adopt(const std::shared_ptr<const WorldDefinition>& world_defi
     if (body) check_built_for(*body);
   }
   viewed.leave(stores.bodies);
-  stores = {.gravity = stores.gravity, .settings = stores.settings};
+  // By its constructor: GCC 12 destroys members twice if memory runs out in a braced list.
+  Stores fresh;
+  fresh.gravity = stores.gravity;
+  fresh.settings = stores.settings;
+  stores = std::move(fresh);
   stores.changes.joints = true;
-  pipeline.forget_bodies();
+  pipeline = {};
 
   resize_bodies(stores, world_definition->bodies.size());
   stores.records.generation = world_definition->generation;

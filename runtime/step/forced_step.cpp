@@ -77,12 +77,14 @@ StepReport ForcedStep::run() {
   impl_.begin_step();
   for (int i = 0; i < substeps; ++i) {
     ask(i * h);
-    if (i > 0) make_up(h);
-    apply(i > 0);
-    add(report, impl_.advance(h, 1, i + 1 == substeps));
+    impl_.step_guard.change([&] {
+      if (i > 0) make_up(h);
+      apply(i > 0);
+      add(report, impl_.advance(h, 1, i + 1 == substeps));
+    });
   }
   ask(dt_);
-  make_up(h);
+  impl_.step_guard.change([&] { make_up(h); });
   return report;
 }
 

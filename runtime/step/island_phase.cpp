@@ -52,12 +52,6 @@ void IslandPhase::build(Stores& world, const StepContext& step, ContactPhase& co
   counts.points = contacts.points();
 }
 
-void IslandPhase::forget() {
-  islands_ = {};
-  joint_graph_ = {};
-  joint_systems_ = {};
-}
-
 // Makes the graph anew, and shares the joints out between the solvers, where joints or how they are solved changed, or
 // substeps can follow other springs than before.
 void IslandPhase::update_joint_graph(Stores& world, double h) {

@@ -20,8 +20,6 @@ namespace atl {
 class IslandPhase {
  public:
   void build(Stores& world, const StepContext& step, ContactPhase& contacts);
-  /// Islands are made anew: the world is another.
-  void forget();
 
   const solver::Islands& islands() const { return islands_; }
   bool rebuilt() const { return rebuilt_; }    ///< by the last step

@@ -30,8 +30,6 @@ class StepPipeline {
   void run(Stores& world, const StepContext& step);
   /// Drops what is kept from step to step, after the state was replaced.
   void forget() { contacts_.forget(); }
-  /// Drops what is kept of the bodies, after they were replaced.
-  void forget_bodies() { islands_.forget(); }
 
   const ContactPhase& contacts() const { return contacts_; }
   const IslandPhase& islands() const { return islands_; }

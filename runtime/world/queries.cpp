@@ -28,7 +28,7 @@ struct QueryAccess {
     World::Impl& impl = *world.impl_;
     impl.step_guard.check("Queries");
     Stores& stores = impl.stores;
-    impl.query_gate.open(stores.broadphase, impl.arena);
+    impl.step_guard.change([&] { impl.query_gate.open(stores.broadphase, impl.arena); });
     return {stores.colliders, stores.bodies, stores.records, stores.broadphase, stores.choices, impl.arena};
   }
 

@@ -66,12 +66,15 @@ std::uint64_t next_serial() {
   return ++last;
 }
 
-// Has a call recorded that was made, if there is a recording.
+// Makes a change of a world, and has the call recorded if there is a recording.
 template <typename Call>
-void note(const auto& impl, const auto&... arguments) {
-  if constexpr (with_recording) {
-    if (impl.recorder) impl.recorder->note(Call(arguments...));
-  }
+void change(auto& impl, const auto& make, const auto&... arguments) {
+  impl.step_guard.change([&] {
+    make();
+    if constexpr (with_recording) {
+      if (impl.recorder) impl.recorder->note(Call(arguments...));
+    }
+  });
 }
 
 }  // namespace
@@ -116,7 +119,9 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
     }
   }
   ContactRules* const asked = rules.filters() || rules.modifies() ? &rules : nullptr;
-  pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, asked, report});
+  step_guard.change([&] {
+    pipeline.run(stores, {substeps, ends_step, arena, *kernels, *narrowphase_kernels, asked, report});
+  });
   clock.last_substep = dt / substeps;
   clock.last_dt = dt;
   clock.time += dt;
@@ -125,8 +130,9 @@ StepReport World::Impl::advance(double dt, int substeps, bool ends_step) {
   return report;
 }
 
-void World::Impl::check_idle(const char* call) const {
-  step_guard.check(call, "World::");
+void World::Impl::check_idle(const char* call, bool makes_anew) const {
+  step_guard.check_thread(call, "World::");
+  if (!makes_anew) step_guard.check_whole(call, "World::");
   const char* who = asking != nullptr ? asking : rules.asking();
   if (who == nullptr) return;
   throw Error(std::string("World::") + call + ": found a step under way; expected no call of it from " + who +
@@ -144,21 +150,25 @@ std::uint32_t World::Impl::index_to_change(JointId id, const char* call) const {
 }
 
 BodyId World::Impl::add_body(const CheckedBody& start) {
-  viewed.make_room(stores.bodies, stores.bodies.size() + 1);
-  const BodyId id = atl::add_body(stores, start);
-  query_gate.note(stores.broadphase);
-  if constexpr (with_recording) {
-    if (recorder) recorder->record_body(start, fingerprint(start.constants));
-  }
-  return id;
+  return step_guard.change([&] {
+    viewed.make_room(stores.bodies, stores.bodies.size() + 1);
+    const BodyId id = atl::add_body(stores, start);
+    query_gate.note(stores.broadphase);
+    if constexpr (with_recording) {
+      if (recorder) recorder->record_body(start, fingerprint(start.constants));
+    }
+    return id;
+  });
 }
 
 void World::Impl::redefine(std::uint32_t body, const BodyConstants& constants) {
-  atl::redefine(stores, body, constants);
-  query_gate.note(stores.broadphase);
-  if constexpr (with_recording) {
-    if (recorder) recorder->record_shape(id_of(stores, body), constants, fingerprint(constants));
-  }
+  step_guard.change([&] {
+    atl::redefine(stores, body, constants);
+    query_gate.note(stores.broadphase);
+    if constexpr (with_recording) {
+      if (recorder) recorder->record_shape(id_of(stores, body), constants, fingerprint(constants));
+    }
+  });
 }
 
 void World::Impl::observe(const World& world, const StepReport& report, double dt) {
@@ -230,8 +240,9 @@ BodyId World::add_body(const BodyDef& def) {
 }
 
 void World::remove_body(BodyId id) {
-  atl::remove_body(impl_->stores, impl_->index_to_change(id, "remove_body"));
-  note<calls::RemoveBody>(*impl_, id);
+  const std::uint32_t body = impl_->index_to_change(id, "remove_body");
+  change<calls::RemoveBody>(
+      *impl_, [&] { atl::remove_body(impl_->stores, body); }, id);
 }
 
 bool World::contains(BodyId id) const { return atl::contains(impl_->stores, id); }
@@ -295,9 +306,9 @@ BodyDef World::definition(BodyId id) const {
 void World::set_pose(BodyId id, const Pose& pose) {
   const std::uint32_t body = impl_->index_to_change(id, "set_pose");
   check_finite("World::set_pose: pose.position", pose.position);
-  atl::set_pose(impl_->stores, body, pose.position,
-                checked_orientation("World::set_pose: pose.orientation", pose.orientation));
-  note<calls::SetPose>(*impl_, id, pose);
+  const Quaternion orientation = checked_orientation("World::set_pose: pose.orientation", pose.orientation);
+  change<calls::SetPose>(
+      *impl_, [&] { atl::set_pose(impl_->stores, body, pose.position, orientation); }, id, pose);
 }
 
 void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angular) {
@@ -307,11 +318,13 @@ void World::set_velocity(BodyId id, const Vector3& linear, const Vector3& angula
   if (impl_->stores.records.type[index] == BodyType::Static && !(linear.isZero(0) && angular.isZero(0))) {
     throw Error("World::set_velocity: the body is static; expected a dynamic or kinematic one");
   }
-  const std::uint32_t body = awaken(impl_->stores, index);
-  solver::BodyTable& bodies = impl_->stores.bodies;
-  bodies.velocity(body) = solver::without(solver::linear_locks(bodies.locks[body]), linear);
-  bodies.angular_velocity(body) = solver::without(solver::angular_locks(bodies.locks[body]), angular);
-  note<calls::SetVelocity>(*impl_, id, linear, angular);
+  const auto set = [&] {
+    const std::uint32_t body = awaken(impl_->stores, index);
+    solver::BodyTable& bodies = impl_->stores.bodies;
+    bodies.velocity(body) = solver::without(solver::linear_locks(bodies.locks[body]), linear);
+    bodies.angular_velocity(body) = solver::without(solver::angular_locks(bodies.locks[body]), angular);
+  };
+  change<calls::SetVelocity>(*impl_, set, id, linear, angular);
 }
 
 void World::move_to(BodyId id, const Pose& pose, double dt) {
@@ -337,16 +350,16 @@ void World::set_surface_velocity(BodyId id, const Vector3& velocity, const Vecto
   check_built_for_surface("World::set_surface_velocity: velocity", velocity);
   check_built_for_surface("World::set_surface_velocity: angular", angular);
   const std::uint32_t body = impl_->index_to_change(id, "set_surface_velocity");
-  atl::set_surface_velocity(impl_->stores, body, {velocity, angular});
-  note<calls::SetSurfaceVelocity>(*impl_, id, velocity, angular);
+  const auto set = [&] { atl::set_surface_velocity(impl_->stores, body, {velocity, angular}); };
+  change<calls::SetSurfaceVelocity>(*impl_, set, id, velocity, angular);
 }
 
 void World::apply_force(BodyId id, const Vector3& force, const Vector3& torque) {
   check_finite("World::apply_force: force", force);
   check_finite("World::apply_force: torque", torque);
-  const std::uint32_t body = awaken(impl_->stores, impl_->index_to_change(id, "apply_force"));
-  atl::apply_force(impl_->stores, body, force, torque);
-  note<calls::ApplyForce>(*impl_, id, force, torque);
+  const std::uint32_t body = impl_->index_to_change(id, "apply_force");
+  const auto push = [&] { atl::apply_force(impl_->stores, awaken(impl_->stores, body), force, torque); };
+  change<calls::ApplyForce>(*impl_, push, id, force, torque);
 }
 
 void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& point) {
@@ -355,14 +368,14 @@ void World::apply_impulse(BodyId id, const Vector3& impulse, const Vector3& poin
   const std::uint32_t body = impl_->index_to_change(id, "apply_impulse");
   const Vector3 moment = (point - impl_->stores.bodies.position(body)).cross(impulse);
   check_impulse(impl_->stores, body, impulse, moment);
-  awaken(impl_->stores, body);
-  note<calls::ApplyImpulse>(*impl_, id, impulse, point);
-  atl::apply_impulse(impl_->stores, body, impulse, moment);
+  const auto push = [&] { atl::apply_impulse(impl_->stores, awaken(impl_->stores, body), impulse, moment); };
+  change<calls::ApplyImpulse>(*impl_, push, id, impulse, point);
 }
 
 void World::wake(BodyId id) {
-  awaken(impl_->stores, impl_->index_to_change(id, "wake"));
-  note<calls::Wake>(*impl_, id);
+  const std::uint32_t body = impl_->index_to_change(id, "wake");
+  change<calls::Wake>(
+      *impl_, [&] { awaken(impl_->stores, body); }, id);
 }
 
 void World::sleep(BodyId id) {
@@ -376,8 +389,8 @@ void World::sleep(BodyId id) {
   if (!impl_->stores.settings.sleeping) {
     throw Error("World::sleep: Settings::sleeping is false; expected it to be set, as nothing sleeps without it");
   }
-  put_to_sleep(impl_->stores, body);
-  note<calls::Sleep>(*impl_, id);
+  change<calls::Sleep>(
+      *impl_, [&] { put_to_sleep(impl_->stores, body); }, id);
 }
 
 std::span<const Quarantined> World::quarantined() const { return impl_->stores.quarantine.bodies(); }
@@ -387,25 +400,28 @@ bool World::is_quarantined(BodyId id) const {
 }
 
 void World::release(BodyId id) {
-  release_body(impl_->stores, impl_->index_to_change(id, "release"));
+  const std::uint32_t body = impl_->index_to_change(id, "release");
+  change<calls::Release>(
+      *impl_, [&] { release_body(impl_->stores, body); }, id);
   impl_->query_gate.note(impl_->stores.broadphase);
-  note<calls::Release>(*impl_, id);
 }
 
 void World::set_filter(BodyId id, const CollisionFilter& filter) {
-  atl::set_filter(impl_->stores, impl_->index_to_change(id, "set_filter"), filter);
-  note<calls::SetFilter>(*impl_, id, filter);
+  const std::uint32_t body = impl_->index_to_change(id, "set_filter");
+  change<calls::SetFilter>(
+      *impl_, [&] { atl::set_filter(impl_->stores, body, filter); }, id, filter);
 }
 
 namespace {
 
-// Has a copy of a body's constants changed by change(constants).
-template <typename Change>
-void change_body(Stores& world, std::uint32_t body, const Change& change) {
-  BodyConstants constants = *world.records.constants[body];
-  change(constants);
+// Has a copy of a body's constants changed by set(constants), and the call recorded.
+template <typename Call>
+void change_body(auto& impl, std::uint32_t body, const auto& set, const auto&... arguments) {
+  BodyConstants constants = *impl.stores.records.constants[body];
+  set(constants);
   check_built_for(constants);
-  change_constants(world, body, constants);
+  change<Call>(
+      impl, [&] { change_constants(impl.stores, body, constants); }, arguments...);
 }
 
 void check_columns(const char* call, std::size_t ids, Eigen::Index first, Eigen::Index second) {
@@ -430,8 +446,8 @@ void check_all_finite(const char* what, const Eigen::Ref<const Eigen::MatrixXd>&
 void World::set_material(BodyId id, const Material& material) {
   const std::uint32_t body = impl_->index_to_change(id, "set_material");
   check("World::set_material: material", material);
-  change_body(impl_->stores, body, [&](BodyConstants& constants) { constants.material = material; });
-  note<calls::SetMaterial>(*impl_, id, material);
+  const auto set = [&](BodyConstants& constants) { constants.material = material; };
+  change_body<calls::SetMaterial>(*impl_, body, set, id, material);
 }
 
 void World::set_mass(BodyId id, double mass) {
@@ -440,27 +456,26 @@ void World::set_mass(BodyId id, double mass) {
   if (impl_->stores.records.type[body] != BodyType::Dynamic) {
     throw Error("World::set_mass: the body is static or kinematic; expected a dynamic one");
   }
-  change_body(impl_->stores, body,
-              [mass](BodyConstants& constants) { give_mass("World::set_mass: mass", mass, constants); });
-  note<calls::SetMass>(*impl_, id, mass);
+  const auto set = [mass](BodyConstants& constants) { give_mass("World::set_mass: mass", mass, constants); };
+  change_body<calls::SetMass>(*impl_, body, set, id, mass);
 }
 
 void World::set_gravity_scale(BodyId id, double scale) {
   const std::uint32_t body = impl_->index_to_change(id, "set_gravity_scale");
   check_number("World::set_gravity_scale: scale", scale);
-  change_body(impl_->stores, body, [scale](BodyConstants& constants) { constants.gravity_scale = scale; });
-  note<calls::SetGravityScale>(*impl_, id, scale);
+  const auto set = [scale](BodyConstants& constants) { constants.gravity_scale = scale; };
+  change_body<calls::SetGravityScale>(*impl_, body, set, id, scale);
 }
 
 void World::set_damping(BodyId id, double linear, double angular) {
   const std::uint32_t body = impl_->index_to_change(id, "set_damping");
   check_not_negative("World::set_damping: linear", linear);
   check_not_negative("World::set_damping: angular", angular);
-  change_body(impl_->stores, body, [&](BodyConstants& constants) {
+  const auto set = [&](BodyConstants& constants) {
     constants.linear_damping = linear;
     constants.angular_damping = angular;
-  });
-  note<calls::SetDamping>(*impl_, id, linear, angular);
+  };
+  change_body<calls::SetDamping>(*impl_, body, set, id, linear, angular);
 }
 
 void World::set_shape(BodyId id, const Shape& shape) {
@@ -474,9 +489,9 @@ void World::set_shape(BodyId id, const Shape& shape) {
 void World::set_heights(BodyId id, std::uint32_t column, std::uint32_t row, std::uint32_t columns,
                         std::span<const double> heights) {
   const std::uint32_t body = impl_->index_to_change(id, "set_heights");
-  change_heights(impl_->stores, body, {column, row, columns}, heights);
+  const auto set = [&] { change_heights(impl_->stores, body, {column, row, columns}, heights); };
+  change<calls::SetHeights>(*impl_, set, id, column, row, columns, heights);
   impl_->query_gate.note(impl_->stores.broadphase);
-  note<calls::SetHeights>(*impl_, id, column, row, columns, heights);
 }
 
 void World::set_definition(BodyId id, const BodyDef& def) {
@@ -501,9 +516,10 @@ void World::set_definition(BodyId id, const BodyDef& def) {
 }
 
 void World::set_enabled(BodyId id, bool enabled) {
-  atl::set_enabled(impl_->stores, impl_->index_to_change(id, "set_enabled"), enabled);
+  const std::uint32_t body = impl_->index_to_change(id, "set_enabled");
+  change<calls::SetEnabled>(
+      *impl_, [&] { atl::set_enabled(impl_->stores, body, enabled); }, id, enabled);
   impl_->query_gate.note(impl_->stores.broadphase);
-  note<calls::SetEnabled>(*impl_, id, enabled);
 }
 
 bool World::is_enabled(BodyId id) const {
@@ -519,8 +535,9 @@ std::uint64_t World::user_data(BodyId id) const {
 }
 
 void World::set_user_data(BodyId id, std::uint64_t data) {
-  impl_->stores.records.user_data[impl_->index_to_change(id, "set_user_data")] = data;
-  note<calls::SetUserData>(*impl_, id, data);
+  const std::uint32_t body = impl_->index_to_change(id, "set_user_data");
+  change<calls::SetUserData>(
+      *impl_, [&] { impl_->stores.records.user_data[body] = data; }, id, data);
 }
 
 std::string_view World::name(BodyId id) const {
@@ -532,8 +549,8 @@ std::string_view World::name(BodyId id) const {
 void World::set_name(BodyId id, std::string_view name) {
   const std::uint32_t body = impl_->index_to_change(id, "set_name");
   check_name("World::set_name: name", name);
-  give_name(impl_->stores, body, name);
-  note<calls::SetName>(*impl_, id, name);
+  change<calls::SetName>(
+      *impl_, [&] { give_name(impl_->stores, body, name); }, id, name);
 }
 
 void World::set_poses(std::span<const BodyId> ids, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
@@ -582,15 +599,15 @@ void World::set_collision_enabled(BodyId a, BodyId b, bool enabled) {
   const std::uint32_t first = impl_->index_to_change(a, "set_collision_enabled");
   const std::uint32_t second = impl_->index_to_change(b, "set_collision_enabled");
   if (first == second) throw Error("World::set_collision_enabled: both bodies are the same; expected two bodies");
-  atl::set_collision_enabled(impl_->stores, first, second, enabled);
-  note<calls::SetCollisionEnabled>(*impl_, a, b, enabled);
+  const auto set = [&] { atl::set_collision_enabled(impl_->stores, first, second, enabled); };
+  change<calls::SetCollisionEnabled>(*impl_, set, a, b, enabled);
 }
 
 void World::set_material_pair(const MaterialPair& pair) {
   impl_->check_idle("set_material_pair");
   check(pair);
-  atl::set_material_pair(impl_->stores, pair);
-  note<calls::SetMaterialPair>(*impl_, pair);
+  change<calls::SetMaterialPair>(
+      *impl_, [&] { atl::set_material_pair(impl_->stores, pair); }, pair);
 }
 
 std::span<const MaterialPair> World::material_pairs() const { return impl_->stores.material_pairs; }
@@ -606,16 +623,18 @@ void World::set_contact_modifier(ContactModifier modifier) {
 }
 
 void World::refilter(BodyId id) {
-  atl::refilter(impl_->stores, impl_->index_to_change(id, "refilter"));
-  note<calls::Refilter>(*impl_, id);
+  const std::uint32_t body = impl_->index_to_change(id, "refilter");
+  change<calls::Refilter>(
+      *impl_, [&] { atl::refilter(impl_->stores, body); }, id);
 }
 
 JointId World::add_joint(const JointDef& def) {
   impl_->check_idle("add_joint");
   if constexpr (with_joints) {
     const JointDef kept = def;  // that may be another joint's, which moves
-    const JointId id = atl::add_joint(impl_->stores, kept);
-    note<calls::AddJoint>(*impl_, kept);
+    JointId id;
+    change<calls::AddJoint>(
+        *impl_, [&] { id = atl::add_joint(impl_->stores, kept); }, kept);
     return id;
   }
   throw_left_out("World::add_joint is called", "joints", "JOINTS");
@@ -623,8 +642,10 @@ JointId World::add_joint(const JointDef& def) {
 
 void World::remove_joint(JointId id) {
   const std::uint32_t joint = impl_->index_to_change(id, "remove_joint");
-  if constexpr (with_joints) atl::remove_joint(impl_->stores, joint);
-  note<calls::RemoveJoint>(*impl_, id);
+  const auto remove = [&] {
+    if constexpr (with_joints) atl::remove_joint(impl_->stores, joint);
+  };
+  change<calls::RemoveJoint>(*impl_, remove, id);
 }
 
 bool World::contains(JointId id) const { return atl::contains(impl_->stores, id); }
@@ -681,8 +702,10 @@ void World::set_name(JointId id, std::string_view name) {
 void World::set_joint(JointId id, const JointDef& def) {
   const std::uint32_t joint = impl_->index_to_change(id, "set_joint");
   const JointDef kept = def;  // that may be the joint's own, which goes
-  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kept);
-  note<calls::SetJointDefinition>(*impl_, id, kept);
+  const auto set = [&] {
+    if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kept);
+  };
+  change<calls::SetJointDefinition>(*impl_, set, id, kept);
 }
 
 void World::set_joint(JointId id, const JointKind& kind) {
@@ -690,8 +713,10 @@ void World::set_joint(JointId id, const JointKind& kind) {
   JointDef def = *impl_->stores.joints.def[joint];
   check("World::set_joint: kind", kind);
   def.kind = kind;
-  if constexpr (with_joints) atl::set_joint(impl_->stores, joint, def);
-  note<calls::SetJoint>(*impl_, id, def.kind);
+  const auto set = [&] {
+    if constexpr (with_joints) atl::set_joint(impl_->stores, joint, def);
+  };
+  change<calls::SetJoint>(*impl_, set, id, def.kind);
 }
 
 namespace {
@@ -713,8 +738,10 @@ JointMotor checked_motor(const char* call, const JointDef& joint, std::size_t co
 template <typename Call>
 void drive(auto& impl, JointId id, double value, std::size_t coordinate, const JointMotor& motor, const char* call) {
   const std::uint32_t joint = impl.index_to_change(id, call);
-  if constexpr (with_joints) atl::drive(impl.stores, joint, coordinate, motor);
-  note<Call>(impl, id, value, coordinate);
+  const auto set = [&] {
+    if constexpr (with_joints) atl::drive(impl.stores, joint, coordinate, motor);
+  };
+  change<Call>(impl, set, id, value, coordinate);
 }
 
 }  // namespace
@@ -748,15 +775,19 @@ void World::set_servo_target(JointId id, double target, std::size_t coordinate) 
 
 void World::set_joint_enabled(JointId id, bool enabled) {
   const std::uint32_t joint = impl_->index_to_change(id, "set_joint_enabled");
-  if constexpr (with_joints) atl::set_joint_enabled(impl_->stores, joint, enabled);
-  note<calls::SetJointEnabled>(*impl_, id, enabled);
+  const auto set = [&] {
+    if constexpr (with_joints) atl::set_joint_enabled(impl_->stores, joint, enabled);
+  };
+  change<calls::SetJointEnabled>(*impl_, set, id, enabled);
 }
 
 void World::count_turns_from(JointId id, double angle, std::size_t coordinate) {
   const std::uint32_t joint = impl_->index_to_change(id, "count_turns_from");
   check_number("World::count_turns_from: angle", angle);
-  if constexpr (with_joints) atl::count_turns_from(impl_->stores, joint, angle, coordinate);
-  note<calls::CountTurnsFrom>(*impl_, id, angle, coordinate);
+  const auto set = [&] {
+    if constexpr (with_joints) atl::count_turns_from(impl_->stores, joint, angle, coordinate);
+  };
+  change<calls::CountTurnsFrom>(*impl_, set, id, angle, coordinate);
 }
 
 void World::share_definitions(const World& alike) {
@@ -779,20 +810,24 @@ std::span<const JointEvent> World::joint_events() const { return impl_->stores.r
 void World::set_gravity(const Vector3& gravity) {
   impl_->check_idle("set_gravity");
   check_finite("World::set_gravity: gravity", gravity);
-  if (gravity != impl_->stores.gravity) wake_all(impl_->stores);
-  impl_->stores.gravity = gravity;
-  note<calls::SetGravity>(*impl_, gravity);
+  const auto set = [&] {
+    if (gravity != impl_->stores.gravity) wake_all(impl_->stores);
+    impl_->stores.gravity = gravity;
+  };
+  change<calls::SetGravity>(*impl_, set, gravity);
 }
 
 void World::set_settings(const Settings& settings) {
   impl_->check_idle("set_settings");
   check(settings);
-  if (!settings.sleeping) wake_all(impl_->stores);
-  impl_->stores.changes.joints |=
-      settings.joint_solver != impl_->stores.settings.joint_solver && impl_->stores.joints.size() > 0;
-  impl_->stores.settings = settings;
-  impl_->use_kernels(settings.simd);
-  note<calls::SetSettings>(*impl_, settings);
+  const auto set = [&] {
+    if (!settings.sleeping) wake_all(impl_->stores);
+    impl_->stores.changes.joints |=
+        settings.joint_solver != impl_->stores.settings.joint_solver && impl_->stores.joints.size() > 0;
+    impl_->stores.settings = settings;
+    impl_->use_kernels(settings.simd);
+  };
+  change<calls::SetSettings>(*impl_, set, settings);
 }
 
 double World::time() const { return impl_->stores.clock.time; }
@@ -912,19 +947,22 @@ void World::save(Snapshot& snapshot) const {
   impl_->check_idle("save");
   if constexpr (!with_snapshots) throw_left_out("World::save is called", "snapshots", "SNAPSHOTS");
   if (!snapshot.owns_bytes()) snapshot.bytes_ = std::make_shared<std::vector<std::byte>>();
-  snapshot.size_ = impl_->save_state(*snapshot.bytes_);
   snapshot.world_definition_ = impl_->world_definition();
+  snapshot.size_ = 0;  // should memory run out: what it held is overwritten
+  snapshot.size_ = impl_->save_state(*snapshot.bytes_);
   snapshot.origin_ = impl_->serial;
 }
 
 void World::restore(const Snapshot& snapshot) {
-  impl_->check_idle("restore");
+  impl_->check_idle("restore", true);
   if constexpr (!with_snapshots) throw_left_out("World::restore is called", "snapshots", "SNAPSHOTS");
   if (snapshot.empty()) throw Error("World::restore: the snapshot is empty; expected one that holds a state");
-  impl_->restore(snapshot.world_definition_, snapshot.origin_, snapshot.state());
-  if constexpr (with_recording) {
-    if (impl_->recorder) impl_->record_state();
-  }
+  impl_->step_guard.change([&] {
+    impl_->restore(snapshot.world_definition_, snapshot.origin_, snapshot.state());
+    if constexpr (with_recording) {
+      if (impl_->recorder) impl_->record_state();
+    }
+  });
 }
 
 void World::record(const std::string& path, const RecordingOptions& options) {

@@ -29,8 +29,8 @@ class World::Impl {
 
   StepReport step(double dt);
   /// Throws Error, naming the call, if a step is under way: it is made by a function that the step asks, or by another
-  /// thread.
-  void check_idle(const char* call) const;
+  /// thread. Or if memory ran out within an earlier one, unless the call makes the world anew.
+  void check_idle(const char* call, bool makes_anew = false) const;
   void check_not_in_batch() const {
     if (in_batch) throw Error("World: a move of a world of a Batch; expected one by itself: see Batch::world()");
   }

@@ -3,6 +3,7 @@
 #include <jobs/arena.h>
 
 #include <cstddef>
+#include <exception>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -51,20 +52,23 @@ T& of_this_thread() {
 }
 
 /// A T of this thread that nobody else uses, default-made if there is none, as long as this lives; the next one gets it
-/// as this one leaves it. It is for what lasts longer than of_this_thread() allows: while other tasks run, or while
-/// functions of users are asked, which may step other worlds.
+/// as this one leaves it, unless by an exception. It is for what lasts longer than of_this_thread() allows: while other
+/// tasks run, or while functions of users are asked, which may step other worlds.
 template <typename T>
 class Borrowed {
  public:
   Borrowed() {
     if (idle().empty()) {
       item_ = std::make_unique<T>();
+      idle().reserve(++made());  // so that none needs memory as it is given back
     } else {
       item_ = std::move(idle().back());
       idle().pop_back();
     }
   }
-  ~Borrowed() { idle().push_back(std::move(item_)); }
+  ~Borrowed() {
+    if (std::uncaught_exceptions() == exceptions_) idle().push_back(std::move(item_));
+  }
   Borrowed(const Borrowed&) = delete;
   Borrowed& operator=(const Borrowed&) = delete;
 
@@ -72,9 +76,15 @@ class Borrowed {
   T* operator->() const { return item_.get(); }
 
  private:
-  static std::vector<std::unique_ptr<T>>& idle() { return of_this_thread<std::vector<std::unique_ptr<T>>>(); }
+  struct Idle {
+    std::vector<std::unique_ptr<T>> items;
+    std::size_t made = 0;
+  };
+  static std::vector<std::unique_ptr<T>>& idle() { return of_this_thread<Idle>().items; }
+  static std::size_t& made() { return of_this_thread<Idle>().made; }
 
   std::unique_ptr<T> item_;
+  const int exceptions_ = std::uncaught_exceptions();
 };
 
 }  // namespace atl::jobs

@@ -159,6 +159,9 @@ using StepObserver = std::function<bool(const World&, const StepReport&, double 
 /// from one thread at a time. A call that changes, saves, hashes or queries a world while another thread steps it
 /// throws Error, in every build, as far as a flag can tell; what only looks up a body's state is not held up by that.
 /// Same calls, same bits: whatever the threads, vector width or machine.
+///
+/// Where memory runs out, std::bad_alloc goes through. If a change was half done by then, calls throw Error from there
+/// on, until the world is restored from a snapshot: of its own, or of any bodies.
 class World {
  public:
   /// Throws Error on a setting out of range, or an instruction set that this machine lacks.
@@ -378,7 +381,7 @@ class World {
   Simd simd() const;  ///< the instruction set in use, never Auto
 
   /// Advances by dt seconds. dt in [1e-12, 1], else Error; nothing else is ever thrown from a step but what functions
-  /// of yours throw: see set_contact_filter().
+  /// of yours throw: see set_contact_filter(); and std::bad_alloc.
   StepReport step(double dt);
   /// The same under forces that depend on where bodies are, how fast they are, and the time: controllers, stiff
   /// springs, fields. The law is called on this thread as each of Settings::substeps begins, and as the last one ends,
