@@ -156,7 +156,6 @@ TEST(Knob, MoreIterationsOpenNoSweptJointFarther) {
 
 // Rigid joints are open by what sweeps leave alone.
 TEST(Knob, RigidSweptJointsCloseAsIterationsGrow) {
-  // What many sweeps leave goes by the square of their number.
   const std::vector<Case> cases = {{"chain:links=20,ratio=100", 200}, {"joint-grid:n=12", 100}, {"bridge", 100}};
   for (const Case& of : cases) {
     for (const Stabilisation stabilisation : {Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
@@ -165,7 +164,7 @@ TEST(Knob, RigidSweptJointsCloseAsIterationsGrow) {
             .iterations = iterations, .stabilisation = stabilisation, .joint_solver = JointSolver::Iterative};
         return errors_of(of.scene, settings, of.steps).at("joint_gap_run_mean");
       };
-      EXPECT_LE(gap(32), 0.06 * gap(4)) << of.scene << ", stabilisation " << static_cast<int>(stabilisation);
+      EXPECT_LE(gap(32), 0.1 * gap(4)) << of.scene << ", stabilisation " << static_cast<int>(stabilisation);
     }
   }
 }

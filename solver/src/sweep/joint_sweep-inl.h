@@ -132,9 +132,7 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   const V rate = row_rate(linear, angular_first, angular_second, c);
   const V free = hn::Sub(rate, hn::Mul(load(row.inverse_mass + lane), old_impulse));
   const V change = hn::Sub(lawful_rate<push>(row, lane, sweep.moved, free), rate);
-  // What has bounds is not over-relaxed: limits would pull, and motors push with more than they may.
-  const M locked = hn::Gt(hn::Min(load(row.soft_lower + lane), load(row.soft_upper + lane)), zero());
-  const V impulse = hn::Mul(mass, hn::IfThenElse(locked, hn::Mul(splat(sweep.relaxation), change), change));
+  const V impulse = hn::Mul(mass, change);
   JointLanes solved = c;
   apply(solved, impulse * linear, impulse * angular_first, impulse * angular_second);
   // Lanes without this row keep every bit, even the sign of a zero, so that results don't depend on the other lanes.

@@ -75,7 +75,7 @@ struct JointSweep {
   bool carries = false;    ///< the first sweep after impulses were carried over from the substep before
   bool moved = false;      ///< positions have moved by the velocities: springs pull from where they did before
   bool measures = false;   ///< tell the residual
-  float relaxation = 1;    ///< factor of the impulses that hold points and what is locked, in [1, 2)
+  float relaxation = 1;    ///< factor of the impulses that hold points, in [1, 2)
 };
 
 /// J, of a body whose velocity impulses have changed: its kinetic energy before, and what is added to that if they are
