@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -174,13 +176,28 @@ void check_hull(const ConvexHull& hull) {
   require_refused("a face that a hull hasn't", [&] { hull.face(hull.face_count()); });
 }
 
+// Sides are joined by their vertices, and those left over by where these lie.
 void check_mesh(const TriangleMesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  const auto order = [](const Vector3& a, const Vector3& b) {
+    return std::ranges::lexicographical_compare(std::span(a.data(), 3), std::span(b.data(), 3));
+  };
+  std::map<Vector3, std::uint32_t, decltype(order)> places(order);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> by_index, by_place;
+  const auto count = [](auto& edges, std::uint32_t from, std::uint32_t to) { ++edges[std::minmax(from, to)]; };
+  const auto place = [&](std::uint32_t vertex) {
+    return places.try_emplace(mesh.vertices()[vertex], vertex).first->second;
+  };
   for (const TriangleMesh::Indices& corners : mesh.triangles()) {
-    for (std::size_t i = 0; i < 3; ++i) ++edges[std::minmax({corners[i], corners[(i + 1) % 3]})];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = corners[i], to = corners[(i + 1) % 3];
+      count(by_index, from, to);
+      count(by_place, place(from), place(to));
+    }
   }
-  const bool closed = std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 2; });
-  require(mesh.closed() == closed, "a mesh is closed and is not");
+  const bool closed = std::ranges::all_of(by_index, [](const auto& edge) { return edge.second == 2; });
+  require(mesh.closed() || !closed, "a closed mesh is open");
+  const bool may_be = std::ranges::all_of(by_place, [](const auto& edge) { return edge.second % 2 == 0; });
+  require(!mesh.closed() || may_be, "an open mesh is closed");
 }
 
 }  // namespace

@@ -194,8 +194,12 @@ inline void store_impulses(const ContactKernelData& data, std::size_t begin, std
       for (std::size_t k = 0; k < lanes; ++k) used |= (block.slot[lane + k] >= 0 ? 1u : 0u) << k;
       const std::int32_t* slot = block.slot + lane;
       collision::ContactManifold* manifolds = data.manifolds;
-      V4 normal = {load(block.normal_impulse[0] + lane), load(block.normal_impulse[1] + lane),
-                   load(block.normal_impulse[2] + lane), load(block.normal_impulse[3] + lane)};
+      // Bodies that a sweep throws at each other fast enough get to where points that there are not count as lying.
+      const auto there = [&](std::size_t i) {
+        const M is = hn::Lt(load(block.start_separation[i] + lane), splat(collision::no_point));
+        return hn::IfThenElseZero(is, load(block.normal_impulse[i] + lane));
+      };
+      V4 normal = {there(0), there(1), there(2), there(3)};
       if (with_restitution && block.traits.bounces) {
         const auto impulse_of = [&](V impulse, std::size_t i) {
           const V spent = load(data.bounces[b].spent[i] + lane);
