@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,10 +35,11 @@ double max_energy_gained(World& world, const std::vector<BodyId>& ids, int steps
 constexpr AssemblyKind plain = {
     .motors = false, .springs = false, .ranges = false, .apart = false, .redundant = false, .pinned = false};
 
-// True if an assembly gains more energy than its allowance times the margin.
-bool gains(std::uint32_t seed, const AssemblyKind& kind, JointSolver solver, bool at_defaults = false) {
+// True if an assembly gains more energy than its allowance times the margin, with its own settings or with these.
+bool gains(std::uint32_t seed, const AssemblyKind& kind, JointSolver solver,
+           const std::optional<Settings>& settings = {}) {
   Assembly assembly = random_assembly(seed, kind);
-  if (at_defaults) assembly.world.settings = {};
+  assembly.world.settings = settings.value_or(assembly.world.settings);
   assembly.world.settings.joint_solver = solver;
   World world(assembly.world);
   const std::vector<BodyId> ids = add_to(world, assembly);
@@ -49,9 +51,10 @@ bool gains(std::uint32_t seed, const AssemblyKind& kind, JointSolver solver, boo
 }
 
 // Counts the assemblies of the first seeds that gain more.
-int gaining(std::uint32_t seeds, const AssemblyKind& kind, JointSolver solver, bool at_defaults = false) {
+int gaining(std::uint32_t seeds, const AssemblyKind& kind, JointSolver solver,
+            const std::optional<Settings>& settings = {}) {
   int count = 0;
-  for (std::uint32_t seed = 0; seed < seeds; ++seed) count += gains(seed, kind, solver, at_defaults);
+  for (std::uint32_t seed = 0; seed < seeds; ++seed) count += gains(seed, kind, solver, settings);
   return count;
 }
 
@@ -70,7 +73,7 @@ TEST(Energy, NorWhereTheyHaveRangesAndHangOnWhatIsStatic) {
 TEST(Energy, NorWithSpringsAndRangesAtTheDefaults) {
   AssemblyKind kind = plain;
   kind.springs = kind.ranges = true;
-  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Auto, true), 0);
+  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Auto, Settings{}), 0);
 }
 
 // Locks and joints together may leave nothing that moves, or little: rows then answer by rounding alone.
@@ -80,14 +83,24 @@ TEST(Energy, NorWhereMotionsAreLocked) {
   EXPECT_EQ(gaining(seeds(), kind, JointSolver::Direct), 0);
   EXPECT_FALSE(gains(5852, kind, JointSolver::Direct));  // they start with velocities that their joints forbid
   EXPECT_FALSE(gains(7942, kind, JointSolver::Direct));
-  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Iterative, true), 0);
+  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Iterative, Settings{}), 0);
 }
 
 // Joints between the same two bodies are together as stiff as one, or sweeps would ring them up.
 TEST(Energy, NorWhereSweptJointsHoldTheSameBodies) {
   AssemblyKind kind = plain;
   kind.redundant = true;
-  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Iterative, true), 0);
+  EXPECT_EQ(gaining(seeds(), kind, JointSolver::Iterative, Settings{}), 0);
+}
+
+// Rigid joints may gain by sweeps that haven't converged. With locked rows over-relaxed, 28 of 300 did.
+TEST(Energy, FewMechanismsOfRigidSweptJointsGainAny) {
+  AssemblyKind kind = plain;
+  kind.ranges = kind.pinned = true;
+  for (const Stabilisation stabilisation : {Stabilisation::Baumgarte, Stabilisation::SplitImpulse}) {
+    const Settings settings = {.iterations = 16, .stabilisation = stabilisation};
+    EXPECT_LE(gaining(seeds(), kind, JointSolver::Iterative, settings), static_cast<int>(seeds() / 100));
+  }
 }
 
 // A needle that falls on the ground. Half its length is 1 m.
