@@ -27,7 +27,8 @@ struct ArrayLike : nb::ndarray<const T, Dimensions..., nb::c_contig, nb::device:
 
 template <int columns>
 using Rows = ArrayLike<double, nb::shape<-1, columns>>;
-/// The same with any number of columns.
+using Numbers = ArrayLike<double, nb::ndim<1>>;
+/// Rows of any number of columns.
 using Heights = ArrayLike<double, nb::ndim<2>>;
 
 /// An array of numpy's of what is passed in; none, and a refusal, where it makes none, or its numbers would be others.

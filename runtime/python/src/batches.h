@@ -16,7 +16,6 @@
 namespace atl::python {
 
 using Values = ArrayLike<double>;
-using Numbers = ArrayLike<double, nb::ndim<1>>;
 template <int columns>
 using Cube = ArrayLike<double, nb::shape<-1, -1, columns>>;
 

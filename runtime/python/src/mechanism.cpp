@@ -21,14 +21,8 @@ using Eigen::VectorXd;
 #define ATOLL_FLOATS "numpy.typing.NDArray[numpy.float64]"
 #define ATOLL_NUMBERS "numpy.typing.ArrayLike"
 
-VectorXd vector_from(const nb::object& numbers) {
-  using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
-  const nb::object array = nb::module_::import_("numpy").attr("ascontiguousarray")(numbers, "float64");
-  const Numbers values = nb::cast<Numbers>(array);
-  if (values.ndim() != 1) {
-    throw Error("Mechanism: found an array of " + std::to_string(values.ndim()) + " dimensions; expected one of 1");
-  }
-  return Eigen::Map<const VectorXd>(values.data(), static_cast<Eigen::Index>(values.shape(0)));
+Eigen::Map<const VectorXd> vector_of(const Numbers& numbers) {
+  return {numbers.data(), static_cast<Eigen::Index>(numbers.shape(0))};
 }
 
 // An array that its caller may write to.
@@ -79,21 +73,19 @@ void bind_state(nb::class_<Mechanism>& mechanism) {
           "v", [](const Mechanism& self) { return array_from(self.v()); }, nb::sig("def v(self) -> " ATOLL_FLOATS),
           "shape (nv,): their rates")
       .def(
-          "set",
-          [](Mechanism& self, const nb::object& q, const nb::object& v) { self.set(vector_from(q), vector_from(v)); },
-          nb::arg("q"), nb::arg("v"), nb::sig("def set(self, q: " ATOLL_NUMBERS ", v: " ATOLL_NUMBERS ") -> None"),
+          "set", [](Mechanism& self, const Numbers& q, const Numbers& v) { self.set(vector_of(q), vector_of(v)); },
+          nb::arg("q"), nb::arg("v"),
           "Puts all bodies where q has them, shape (nq,), with the velocities that follow from v, shape (nv,).")
       .def(
           "integrate",
-          [](const Mechanism& self, const nb::object& q, const nb::object& v) {
-            return array_from(self.integrate(vector_from(q), vector_from(v)));
+          [](const Mechanism& self, const Numbers& q, const Numbers& v) {
+            return array_from(self.integrate(vector_of(q), vector_of(v)));
           },
           nb::arg("q"), nb::arg("v"),
           nb::sig("def integrate(self, q: " ATOLL_NUMBERS ", v: " ATOLL_NUMBERS ") -> " ATOLL_FLOATS),
           "shape (nq,): the configuration after a step v from q, which turns quaternions.")
       .def(
-          "apply", [](Mechanism& self, const nb::object& tau) { self.apply(vector_from(tau)); }, nb::arg("tau"),
-          nb::sig("def apply(self, tau: " ATOLL_NUMBERS ") -> None"),
+          "apply", [](Mechanism& self, const Numbers& tau) { self.apply(vector_of(tau)); }, nb::arg("tau"),
           "Adds generalised forces (N or N m), shape (nv,), to what acts in the next step.");
 }
 
@@ -112,17 +104,15 @@ void bind_dynamics(nb::class_<Mechanism>& mechanism) {
           nb::sig("def gravity(self) -> " ATOLL_FLOATS), "shape (nv,): the tau that holds the tree still.")
       .def(
           "inverse_dynamics",
-          [](const Mechanism& self, const nb::object& acceleration) {
-            return array_from(self.inverse_dynamics(vector_from(acceleration)));
+          [](const Mechanism& self, const Numbers& acceleration) {
+            return array_from(self.inverse_dynamics(vector_of(acceleration)));
           },
           nb::arg("acceleration"),
           nb::sig("def inverse_dynamics(self, acceleration: " ATOLL_NUMBERS ") -> " ATOLL_FLOATS),
           "shape (nv,): the tau for these accelerations v', shape (nv,).")
       .def(
           "forward_dynamics",
-          [](const Mechanism& self, const nb::object& tau) {
-            return array_from(self.forward_dynamics(vector_from(tau)));
-          },
+          [](const Mechanism& self, const Numbers& tau) { return array_from(self.forward_dynamics(vector_of(tau))); },
           nb::arg("tau"), nb::sig("def forward_dynamics(self, tau: " ATOLL_NUMBERS ") -> " ATOLL_FLOATS),
           "shape (nv,): the accelerations v' that follow from tau, shape (nv,).")
       .def("centre_of_mass", &Mechanism::centre_of_mass, "m, shape (3,), world frame")
