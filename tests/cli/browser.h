@@ -14,6 +14,7 @@ struct LoadedPage {
 
 /// The program, or nothing where none is installed or long tests weren't asked for.
 std::optional<std::string> find_browser();
+inline constexpr const char* without_browser = "no Chromium, or no long tests: the page is not looked at";
 
 /// `place` is what follows the # of its address. Scripts have so many seconds, which pass as fast as they can.
 LoadedPage load_page(const std::string& browser, const std::string& file, int width, const std::string& place = "",

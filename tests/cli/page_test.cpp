@@ -50,7 +50,7 @@ class LoadedSweepPage : public SweepPage {
     if (browser_) return sweep();
     const char* ci = std::getenv("CI");
     if (long_tests() && ci != nullptr && std::string(ci) == "true") FAIL() << "no Chromium was found where CI=true";
-    GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
+    GTEST_SKIP() << without_browser;
   }
 
   std::optional<std::string> browser_;
@@ -101,7 +101,7 @@ TEST(Frontier, IsClimbedToTheEndAndShown) {
     EXPECT_GT(reach["ms_per_step"], 0);
   }
   const std::optional<std::string> browser = find_browser();
-  if (!browser) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
+  if (!browser) GTEST_SKIP() << without_browser;
   const LoadedPage loaded = load_page(*browser, scratch.path("out") + "/index.html", 900);
   EXPECT_EQ(loaded.console, "");
   EXPECT_EQ(count(loaded.document, "all: "), 5u + 1u);  // and once in the script

@@ -48,7 +48,7 @@ class ViewPage : public testing::TestWithParam<const char*> {
     const CommandResult made =
         run_atoll({"run", GetParam(), "--steps", "130", "--record", recording(), "--view", page()});
     ASSERT_EQ(made.status, 0) << made.err;
-    if (!browser_) GTEST_SKIP() << "no Chromium, or no long tests: the page is not looked at";
+    if (!browser_) GTEST_SKIP() << without_browser;
   }
 
   std::string page() const { return scratch_.path("page.html"); }
