@@ -50,6 +50,14 @@ TEST(SceneWriting, WhatIsReadAgainStepsToTheSameBits) {
   }
 }
 
+TEST(SceneWriting, SignsOfZeroAndOfATurnAreKept) {
+  Scene scene;
+  for (const Quaternion& orientation : {Quaternion(1, -0.0, 0, -0.0), Quaternion(-1, 0, 0, 0)}) {
+    scene.bodies.push_back({.def = {.orientation = orientation, .velocity = {0, -0.0, 0}}});
+  }
+  EXPECT_EQ(hash_after(parse_scene(scene_text(scene), "again.json"), 0), hash_after(scene, 0));
+}
+
 TEST(SceneWriting, AWorldIsTakenAsItIsNow) {
   for (const std::string& name : scenes()) {
     const Scene scene = load_scene(name);

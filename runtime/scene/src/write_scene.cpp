@@ -2,6 +2,7 @@
 
 #include <atoll/scene.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -27,11 +28,16 @@ Json json(std::uint64_t value) {
   return std::to_string(value);
 }
 
+// Zero to the bit, so that what is read again is the same: -0 is another number.
+bool is_nothing(const Vector3& v) {
+  return std::none_of(v.begin(), v.end(), [](double x) { return x != 0 || std::signbit(x); });
+}
+
 void put(Json& out, const char* key, const std::optional<double>& value) {
   if (value) out[key] = *value;
 }
 void put_unless_zero(Json& out, const char* key, const Vector3& value) {
-  if (!value.isZero(0)) out[key] = json(value);
+  if (!is_nothing(value)) out[key] = json(value);
 }
 
 template <typename Enum, std::size_t count>
@@ -217,7 +223,7 @@ Json json(const SceneBody& body) {
   if (def.material != Material{}) out["material"] = json(def.material);
   for (const Material& material : def.materials) out["materials"].push_back(json(material));
   out["position"] = json(def.position);
-  if (!def.orientation.vec().isZero(0)) out["orientation"] = json(def.orientation);
+  if (!is_nothing(def.orientation.vec()) || def.orientation.w() < 0) out["orientation"] = json(def.orientation);
   put_unless_zero(out, "velocity", def.velocity);
   put_unless_zero(out, "angular_velocity", def.angular_velocity);
   put_unless_zero(out, "surface_velocity", def.surface_velocity);
