@@ -299,6 +299,7 @@ class WorldState {
     const auto enabled = joints.enabled[index];
     visit_all(archive_, joints.enabled[index], joints.broken[index]);
     archive_.check(joints.enabled[index] <= 1 && joints.broken[index] <= 1, "a flag that is neither 0 nor 1");
+    archive_.check(!(joints.enabled[index] && joints.broken[index]), "a joint that is broken and enabled");
     visit_joint(archive_, joints.joints[index], joints.limit_before[index]);
     return same && enabled == joints.enabled[index];
   }
