@@ -160,6 +160,7 @@ void check_poses(Archive& archive, const Stores& world) {
     if (!world.records.alive[body]) continue;
     archive.check_number(std::abs(bodies.orientation(body).squaredNorm() - 1) < 1e-9, "an orientation that is none");
     archive.check_number(bodies.turned[body] >= 0 || world.quarantine.contains(body), "a turn that is none");
+    archive.check_number(world.aabbs.swept_margins()[body] >= 0, "a margin that is none");
     const bool is_finite = bodies.position(body).allFinite() && bodies.velocity(body).allFinite() &&
                            bodies.angular_velocity(body).allFinite();
     archive.check_number(is_finite, "a body whose state is not finite");
