@@ -4,7 +4,7 @@
 
 /// Calls of operator new in this program so far, those of containers among them. Linking this replaces the operators.
 std::int64_t allocation_count();
-/// Those of which the memory has not been given back.
+/// Allocations whose memory has not been given back.
 std::int64_t live_allocations();
 
 /// Has memory run out as long as this lives, after so many more allocations: for one of them, or for good.
@@ -14,6 +14,6 @@ class OutOfMemory {
   ~OutOfMemory();
   OutOfMemory(const OutOfMemory&) = delete;
   OutOfMemory& operator=(const OutOfMemory&) = delete;
-  /// Whether an allocation has failed.
+  /// True once an allocation has failed.
   static bool happened();
 };

@@ -77,6 +77,15 @@ void change(auto& impl, const auto& make, const auto&... arguments) {
   });
 }
 
+// The same of joints, which a build may be without.
+template <typename Call>
+void change_joints(auto& impl, const auto& make, const auto&... arguments) {
+  const auto make_if_built = [&] {
+    if constexpr (with_joints) make(impl.stores);
+  };
+  change<Call>(impl, make_if_built, arguments...);
+}
+
 }  // namespace
 
 World::Impl::Impl(const WorldDef& def)
@@ -642,10 +651,8 @@ JointId World::add_joint(const JointDef& def) {
 
 void World::remove_joint(JointId id) {
   const std::uint32_t joint = impl_->index_to_change(id, "remove_joint");
-  const auto remove = [&] {
-    if constexpr (with_joints) atl::remove_joint(impl_->stores, joint);
-  };
-  change<calls::RemoveJoint>(*impl_, remove, id);
+  const auto remove = [&](auto& stores) { atl::remove_joint(stores, joint); };
+  change_joints<calls::RemoveJoint>(*impl_, remove, id);
 }
 
 bool World::contains(JointId id) const { return atl::contains(impl_->stores, id); }
@@ -702,10 +709,8 @@ void World::set_name(JointId id, std::string_view name) {
 void World::set_joint(JointId id, const JointDef& def) {
   const std::uint32_t joint = impl_->index_to_change(id, "set_joint");
   const JointDef kept = def;  // that may be the joint's own, which goes
-  const auto set = [&] {
-    if constexpr (with_joints) atl::set_joint(impl_->stores, joint, kept);
-  };
-  change<calls::SetJointDefinition>(*impl_, set, id, kept);
+  const auto set = [&](auto& stores) { atl::set_joint(stores, joint, kept); };
+  change_joints<calls::SetJointDefinition>(*impl_, set, id, kept);
 }
 
 void World::set_joint(JointId id, const JointKind& kind) {
@@ -713,10 +718,8 @@ void World::set_joint(JointId id, const JointKind& kind) {
   JointDef def = *impl_->stores.joints.def[joint];
   check("World::set_joint: kind", kind);
   def.kind = kind;
-  const auto set = [&] {
-    if constexpr (with_joints) atl::set_joint(impl_->stores, joint, def);
-  };
-  change<calls::SetJoint>(*impl_, set, id, def.kind);
+  const auto set = [&](auto& stores) { atl::set_joint(stores, joint, def); };
+  change_joints<calls::SetJoint>(*impl_, set, id, def.kind);
 }
 
 namespace {
@@ -738,10 +741,8 @@ JointMotor checked_motor(const char* call, const JointDef& joint, std::size_t co
 template <typename Call>
 void drive(auto& impl, JointId id, double value, std::size_t coordinate, const JointMotor& motor, const char* call) {
   const std::uint32_t joint = impl.index_to_change(id, call);
-  const auto set = [&] {
-    if constexpr (with_joints) atl::drive(impl.stores, joint, coordinate, motor);
-  };
-  change<Call>(impl, set, id, value, coordinate);
+  const auto set = [&](auto& stores) { atl::drive(stores, joint, coordinate, motor); };
+  change_joints<Call>(impl, set, id, value, coordinate);
 }
 
 }  // namespace
@@ -775,19 +776,15 @@ void World::set_servo_target(JointId id, double target, std::size_t coordinate) 
 
 void World::set_joint_enabled(JointId id, bool enabled) {
   const std::uint32_t joint = impl_->index_to_change(id, "set_joint_enabled");
-  const auto set = [&] {
-    if constexpr (with_joints) atl::set_joint_enabled(impl_->stores, joint, enabled);
-  };
-  change<calls::SetJointEnabled>(*impl_, set, id, enabled);
+  const auto set = [&](auto& stores) { atl::set_joint_enabled(stores, joint, enabled); };
+  change_joints<calls::SetJointEnabled>(*impl_, set, id, enabled);
 }
 
 void World::count_turns_from(JointId id, double angle, std::size_t coordinate) {
   const std::uint32_t joint = impl_->index_to_change(id, "count_turns_from");
   check_number("World::count_turns_from: angle", angle);
-  const auto set = [&] {
-    if constexpr (with_joints) atl::count_turns_from(impl_->stores, joint, angle, coordinate);
-  };
-  change<calls::CountTurnsFrom>(*impl_, set, id, angle, coordinate);
+  const auto set = [&](auto& stores) { atl::count_turns_from(stores, joint, angle, coordinate); };
+  change_joints<calls::CountTurnsFrom>(*impl_, set, id, angle, coordinate);
 }
 
 void World::share_definitions(const World& alike) {

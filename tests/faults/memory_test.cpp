@@ -234,6 +234,20 @@ std::vector<Call> all_calls() {
   return calls;
 }
 
+/// What came of a call that had memory for so many allocations.
+struct Outcome {
+  bool enough, threw;
+};
+Outcome outcome_of(const std::function<void()>& make, std::int64_t allocations, bool for_good) {
+  const OutOfMemory out(allocations, for_good);
+  try {
+    make();
+  } catch (const std::bad_alloc&) {
+    return {false, true};
+  }
+  return {!OutOfMemory::happened(), false};
+}
+
 /// A world as the start left it.
 World started(int threads) {
   World world({.threads = threads, .settings = start().settings});
@@ -244,16 +258,8 @@ World started(int threads) {
 /// Makes the call with memory for so many allocations. Returns whether they were enough.
 bool survives(const Call& call, int threads, std::int64_t allocations, bool for_good) {
   World world = started(threads);
-  bool threw = false;
-  {
-    const OutOfMemory out(allocations, for_good);
-    try {
-      call.make(world);
-    } catch (const std::bad_alloc&) {
-      threw = true;
-    }
-    if (!OutOfMemory::happened()) return true;
-  }
+  const auto [enough, threw] = outcome_of([&] { call.make(world); }, allocations, for_good);
+  if (enough) return true;
   // Some algorithms do without the memory that they would have liked to have.
   EXPECT_TRUE(threw || !for_good) << call.name << ", " << allocations;
   try {
@@ -297,7 +303,7 @@ TEST_P(MemoryRunsOut, AndTheWorldGoesOnOnceRestored) {
 INSTANTIATE_TEST_SUITE_P(Calls, MemoryRunsOut, testing::ValuesIn(all_calls()),
                          [](const auto& of) { return std::string(of.param.name); });
 
-// What is made outside of worlds is made or not. JSON is left out: destructors of the library that reads and writes it
+// Shapes, scenes and the like are made or not. JSON is left out: destructors of the library that reads and writes it
 // ask for memory, and end the program if there is none.
 TEST(MemoryRunsOutOf, WhatMakesThings) {
   const std::vector<Vector3> corners = {{0.4, 0.4, -0.5}, {-0.4, 0.4, -0.5}, {0, -0.5, -0.5}, {0.1, 0, 0.6}};
@@ -318,14 +324,8 @@ TEST(MemoryRunsOutOf, WhatMakesThings) {
   };
   for (const auto& [name, make] : makers) {
     const auto run = [make = make](std::int64_t step) {
-      for (std::int64_t allocations = 0;; allocations += step) {
-        const OutOfMemory out(allocations, false);
-        try {
-          make();
-        } catch (const std::bad_alloc&) {
-        }
-        if (!OutOfMemory::happened()) return;
-      }
+      std::int64_t allocations = 0;
+      while (!outcome_of(make, allocations, false).enough) allocations += step;
     };
     run(7);
     const std::int64_t before = live_allocations();
@@ -338,19 +338,9 @@ TEST(MemoryRunsOutOf, WhatMakesThings) {
 TEST(MemoryRunsOutOf, ASnapshot) {
   World world = started(1);
   Snapshot snapshot;
-  Snapshot before;
   for (std::int64_t allocations = 0;; ++allocations) {
     world.add_body(sphere({0, 0, 10}, 0.1));
-    bool threw = false;
-    {
-      const OutOfMemory out(allocations, true);
-      try {
-        world.save(snapshot);
-      } catch (const std::bad_alloc&) {
-        threw = true;
-      }
-    }
-    if (!threw) break;
+    if (!outcome_of([&] { world.save(snapshot); }, allocations, true).threw) break;
     World other({.settings = start().settings});
     if (!snapshot.empty()) other.restore(snapshot);
   }
@@ -362,18 +352,13 @@ TEST(MemoryRunsOutOf, ARecordedWorld) {
   const TemporaryFile file(".recording");
   for (std::int64_t allocations = 0;; allocations += 3) {
     World world = started(1);
-    bool enough = true;
-    {
-      const OutOfMemory out(allocations, false);
-      try {
-        world.record(file.path());
-        world.set_velocity(start().top(), {0, 3, 3}, {1, 0, 0});
-        world.step(dt);
-        world.set_name(start().top(), long_name);
-      } catch (const std::bad_alloc&) {
-        enough = false;
-      }
-    }
+    const auto act = [&] {
+      world.record(file.path());
+      world.set_velocity(start().top(), {0, 3, 3}, {1, 0, 0});
+      world.step(dt);
+      world.set_name(start().top(), long_name);
+    };
+    const bool threw = outcome_of(act, allocations, false).threw;
     if (!world.is_recording()) continue;
     world.restore(start().now);
     world.step(dt);
@@ -381,7 +366,7 @@ TEST(MemoryRunsOutOf, ARecordedWorld) {
     const ReplayResult replayed = replay(file.path());
     EXPECT_FALSE(replayed.divergence.has_value()) << allocations;
     EXPECT_EQ(replayed.hash, start().next_hash) << allocations;
-    if (enough) break;
+    if (!threw) break;
   }
 }
 
@@ -393,22 +378,14 @@ TEST(MemoryRunsOutOf, ABatch) {
   batch.step(dt);
   const std::uint64_t next = batch.world(0).state_hash();
   for (std::int64_t allocations = 0;; ++allocations) {
-    bool enough = true;
     batch.for_each([](World& world, std::size_t) { world.set_settings({.sleeping = true}); });
-    {
-      const OutOfMemory out(allocations, false);
-      try {
-        batch.step(dt);
-      } catch (const std::bad_alloc&) {
-        enough = false;
-      }
-    }
+    const bool threw = outcome_of([&] { batch.step(dt); }, allocations, false).threw;
     batch.reset();
     batch.step(dt);
     for (std::size_t i = 0; i < batch.size(); ++i) {
       EXPECT_EQ(batch.world(i).state_hash(), next) << allocations << ", world " << i;
     }
-    if (enough) break;
+    if (!threw) break;
   }
 }
 

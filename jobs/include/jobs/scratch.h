@@ -60,7 +60,7 @@ class Borrowed {
   Borrowed() {
     if (idle().empty()) {
       item_ = std::make_unique<T>();
-      idle().reserve(++made());  // so that none needs memory as it is given back
+      idle().reserve(idle().capacity() + 1);  // so that it needs no memory as it is given back
     } else {
       item_ = std::move(idle().back());
       idle().pop_back();
@@ -76,12 +76,7 @@ class Borrowed {
   T* operator->() const { return item_.get(); }
 
  private:
-  struct Idle {
-    std::vector<std::unique_ptr<T>> items;
-    std::size_t made = 0;
-  };
-  static std::vector<std::unique_ptr<T>>& idle() { return of_this_thread<Idle>().items; }
-  static std::size_t& made() { return of_this_thread<Idle>().made; }
+  static std::vector<std::unique_ptr<T>>& idle() { return of_this_thread<std::vector<std::unique_ptr<T>>>(); }
 
   std::unique_ptr<T> item_;
   const int exceptions_ = std::uncaught_exceptions();

@@ -160,7 +160,7 @@ using StepObserver = std::function<bool(const World&, const StepReport&, double 
 /// throws Error, in every build, as far as a flag can tell; what only looks up a body's state is not held up by that.
 /// Same calls, same bits: whatever the threads, vector width or machine.
 ///
-/// Where memory runs out, std::bad_alloc goes through. If a change was half done by then, calls throw Error from there
+/// A call that runs out of memory throws std::bad_alloc. If a change was half done by then, calls throw Error from there
 /// on, until the world is restored from a snapshot: of its own, or of any bodies.
 class World {
  public:

@@ -106,7 +106,7 @@ void weigh_rows(const Joint& of, const std::vector<DirectBody>& bodies, bool loc
     if (joint.first != no_body) add_point_response(bodies[joint.first], joint.arm_first, responds);
     if (joint.second != no_body) add_point_response(bodies[joint.second], joint.arm_second, responds);
     for (std::size_t r = 0; r < 3; ++r) {
-      // Where it is not above zero, locks leave nothing, or rounding all, as of arms of 1e12 m.
+      // Locks may leave nothing of it, and so may rounding, with arms of 1e12 m.
       joint.mass[r] = responds[r] > 0 && !joint.is_still(r) ? 1 / responds[r] : 0;
     }
   }

@@ -355,7 +355,7 @@ void GroupPass<Executor>::solve_systems(int number) {
   loops_.each_system([&](DirectJoints& system) { system.solve_velocities(setup_.input, number, parts_.bodies); });
 }
 
-// Ahead of so many sweeps, which smooth what it leaves.
+// The factor of a sweep that so many others follow, which smooth what it leaves.
 inline float over_relaxation(int sweeps) {
   return 1 + static_cast<float>(sweeps) / (static_cast<float>(sweeps) + tuning::relaxing_sweeps);
 }
