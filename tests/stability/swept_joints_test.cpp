@@ -38,6 +38,28 @@ TEST(SweptJoints, ASweepSolvesAllThatAJointLocks) {
   }
 }
 
+// A body that only turns can't close a gap along its arm, and doesn't turn for it, wherever the arm points.
+TEST(SweptJoints, AGapThatNothingClosesMovesNothing) {
+  Random random(3);
+  for (int run = 0; run < 200; ++run) {
+    World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = JointSolver::Iterative}});
+    const Vector3 arm = random.real(0.2, 2) * random.direction();
+    const BodyId base = world.add_body(static_box({5, 0, 0}, Vector3::Constant(0.1)));
+    BodyDef def = box({0, 0, 0}, {0.2, 0.1, 0.05});
+    def.orientation = random.rotation();
+    def.locks.linear = {true, true, true};
+    const BodyId id = world.add_body(def);
+    const Vector3 anchor = world.pose(id).orientation.conjugate() * (0.95 * arm);
+    world.add_joint({.kind = BallJoint{},
+                     .first = base,
+                     .second = id,
+                     .frame_first = {.position = arm - Vector3(5, 0, 0)},
+                     .frame_second = {.position = anchor}});
+    for (int i = 0; i < 60; ++i) world.step(dt);
+    EXPECT_LT(world.angular_velocity(id).norm(), 1e-4) << arm.transpose();
+  }
+}
+
 // Loops that hold things twice, gears and ranges among them, at the defaults. One breaks, whose masses are as 390 to 1.
 TEST(SweptJoints, AssembliesStayWhole) {
   int broken = 0;

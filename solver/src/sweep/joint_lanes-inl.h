@@ -91,9 +91,9 @@ HWY_INLINE SymmetricMatrix turning_response(const SymmetricMatrix& inverse_inert
 }
 
 // The inverse of a positive definite matrix, by its factors L D L^T: sums of squares on the diagonal, and nothing that
-// leaves single precision's range for bodies of any mass. `inverse` is that of a pivot.
-template <typename Inverse>
-HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k, const Inverse& inverse) {
+// leaves single precision's range for bodies of any mass.
+HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k) {
+  const auto inverse = [](V pivot) { return hn::Div(splat(1), pivot); };
   const V e0 = inverse(k.xx);
   const V l10 = hn::Mul(k.xy, e0);
   const V l20 = hn::Mul(k.xz, e0);
@@ -116,10 +116,6 @@ HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k, const Inverse& i
           yz};
 }
 
-HWY_INLINE SymmetricMatrix inverse_of(const SymmetricMatrix& k) {
-  return inverse_of(k, [](V pivot) { return hn::Div(splat(1), pivot); });
-}
-
 // Joints with a body that is locked along or about an axis.
 HWY_INLINE M with_locks(const SolverBodies& bodies, const JointLanes& c) {
   if (bodies.locks.empty()) return hn::Lt(zero(), zero());
@@ -134,19 +130,47 @@ HWY_INLINE M with_locks(const SolverBodies& bodies, const JointLanes& c) {
 // The smallest response that isn't rounding beside one of such a size.
 HWY_INLINE V min_response_of(V size) { return hn::Mul(splat(static_cast<float>(tuning::min_response_share)), size); }
 
-// The inverse of a matrix on what isn't rounding of it, and zero on the rest.
-HWY_INLINE SymmetricMatrix inverse_of_what_acts(const SymmetricMatrix& k) {
-  const V min = min_response_of(hn::Add(hn::Add(k.xx, k.yy), k.zz));
-  return inverse_of(k, [=](V pivot) {
-    const M acts = hn::Gt(pivot, min);
-    return hn::IfThenElseZero(acts, hn::Div(splat(1), hn::IfThenElse(acts, pivot, splat(1))));
-  });
-}
-
 HWY_INLINE SymmetricMatrix select(M mask, const SymmetricMatrix& yes, const SymmetricMatrix& no) {
   const auto pick = [=](V a, V b) { return hn::IfThenElse(mask, a, b); };
   return {pick(yes.xx, no.xx), pick(yes.yy, no.yy), pick(yes.zz, no.zz),
           pick(yes.xy, no.xy), pick(yes.xz, no.xz), pick(yes.yz, no.yz)};
+}
+
+HWY_INLINE SymmetricMatrix scaled(V by, const SymmetricMatrix& m) {
+  return {hn::Mul(by, m.xx), hn::Mul(by, m.yy), hn::Mul(by, m.zz),
+          hn::Mul(by, m.xy), hn::Mul(by, m.xz), hn::Mul(by, m.yz)};
+}
+
+HWY_INLINE SymmetricMatrix sum(const SymmetricMatrix& a, const SymmetricMatrix& b) {
+  return {hn::Add(a.xx, b.xx), hn::Add(a.yy, b.yy), hn::Add(a.zz, b.zz),
+          hn::Add(a.xy, b.xy), hn::Add(a.xz, b.xz), hn::Add(a.yz, b.yz)};
+}
+
+HWY_INLINE SymmetricMatrix adjugate(const SymmetricMatrix& m) {
+  const auto minor = [](V a, V b, V c, V d) { return hn::Sub(hn::Mul(a, b), hn::Mul(c, d)); };
+  return {minor(m.yy, m.zz, m.yz, m.yz), minor(m.xx, m.zz, m.xz, m.xz), minor(m.xx, m.yy, m.xy, m.xy),
+          minor(m.xz, m.yz, m.xy, m.zz), minor(m.xy, m.yz, m.xz, m.yy), minor(m.xy, m.xz, m.yz, m.xx)};
+}
+
+// The pseudoinverse of a positive semidefinite matrix (Penrose, 1955): what isn't rounding of it is inverted, and what
+// asks for anything else is given nothing. An inverse that left a row out would answer a gap along which nothing moves
+// by a motion across.
+HWY_INLINE SymmetricMatrix inverse_of_what_acts(const SymmetricMatrix& k) {
+  const V trace = hn::Add(hn::Add(k.xx, k.yy), k.zz);
+  const M any = hn::Gt(trace, zero());
+  const V over = hn::IfThenElseZero(any, hn::Div(splat(1), hn::IfThenElse(any, trace, splat(1))));
+  const SymmetricMatrix one = scaled(over, k);  // of trace 1
+  const SymmetricMatrix adjoint = adjugate(one);
+  const V pairs = hn::Add(hn::Add(adjoint.xx, adjoint.yy), adjoint.zz);  // the sum of products of two eigenvalues
+  const V all = hn::Add(hn::Add(hn::Mul(one.xx, adjoint.xx), hn::Mul(one.xy, adjoint.xy)), hn::Mul(one.xz, adjoint.xz));
+  const M lines = hn::Le(pairs, min_response_of(splat(1)));  // moves along a line, in which one is the projection on it
+  const M planes = hn::AndNot(lines, hn::Le(all, min_response_of(pairs)));
+  // The adjugate of what moves in a plane is the projection on its normal, times the product of two eigenvalues.
+  const V normal = hn::IfThenElseZero(planes, hn::Div(splat(1), hn::IfThenElse(lines, splat(1), pairs)));
+  const SymmetricMatrix still = scaled(normal, adjoint);
+  const SymmetricMatrix unit{splat(1), splat(1), splat(1), zero(), zero(), zero()};
+  const SymmetricMatrix inverse = inverse_of(select(lines, unit, sum(one, still)));
+  return scaled(over, select(lines, one, sum(inverse, scaled(splat(-1), still))));
 }
 
 // The inverse of K = J M^-1 J^T of the point. Where motion locks leave nothing that moves, it has no part.
