@@ -1,6 +1,5 @@
 #include <jobs/assert.h>
 #include <solver/constraints/row_law.h>
-#include <solver/constraints/spring_step.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -63,26 +62,28 @@ double LinearForce::fastest() const { return std::max(std::sqrt(square_of_omega)
 
 bool LinearForce::is_stiff(double h) const { return fastest() * h > SpringStep::max_phase; }
 
-LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double alone, double h) {
+LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double alone, double h,
+                                 double max_closed) {
   const double moved = mass + law.armature, stiffened = (alone + law.armature) / moved;
   LinearForce force = LinearForce::of_spring(law, alone + law.armature, at.share);
   force.square_of_omega *= stiffened;
   force.decay *= stiffened;
-  const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
+  const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h, max_closed);
   const double pull = step.pull * (at.value - law.rest);
   if (law.armature == 0) return {step.hold, step.keep, -pull};
   const double own = law.armature / mass, share = moved / mass;
   return {own + share * step.hold, own + share * step.keep, -share * pull};
 }
 
-LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass, double h) {
+LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass, double h, double max_closed) {
   const double moved = mass + law.armature, share = moved / mass;
   const LinearForce force = LinearForce::of_servo(law, moved, at.share);
-  const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
+  const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h, max_closed);
   return {share * step.hold, share * step.keep, share * (h * force.beside - step.pull * (at.value - force.rest))};
 }
 
-RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance) {
+RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance,
+                  double max_closed) {
   ATL_ASSERT(h > 0, h);
   ATL_ASSERT(!(compliance < 0), compliance);
   const double effective_mass = mass.alone;
@@ -104,7 +105,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   if (!(effective_mass > 0)) return row;
   if (law.springs() || law.armature > 0) {
     const double moved = mass_for(LinearForce::of_spring, law, at, mass);
-    const LinearStep spring = LinearStep::of_spring(law, at, moved, effective_mass, h);
+    const LinearStep spring = LinearStep::of_spring(law, at, moved, effective_mass, h, max_closed);
     const double hold = std::max(spring.hold, min_hold);
     row.spring_slope = moved * hold;
     row.spring_rate = spring.shift / hold;
@@ -112,7 +113,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   }
   if (law.is_servo()) {
     const double moved = mass_for(LinearForce::of_servo, law, at, mass);
-    const LinearStep servo = LinearStep::of_servo(law, at, moved, h);
+    const LinearStep servo = LinearStep::of_servo(law, at, moved, h, max_closed);
     const double hold = std::max(servo.hold, min_hold);
     row.motor_slope = moved * hold;
     row.motor_speed = servo.shift / hold;

@@ -10,7 +10,7 @@ namespace atl::solver {
 // The exact map of a step of x'' + decay x' + omega^2 x = 0 has the eigenvalues exp(-a h) and exp(-b h), with a and b
 // the roots of s^2 - decay s + omega^2. The map u1 = (1 - d) u - p x, x1 = x + h u1 has the same eigenvalues if d = 1 -
 // exp(-(a + b) h) and p h = (1 - exp(-a h)) (1 - exp(-b h)).
-SpringStep SpringStep::of(double omega, double decay, double h) {
+SpringStep SpringStep::of(double omega, double decay, double h, double max_closed) {
   ATL_ASSERT(h > 0, h);
   ATL_ASSERT(!(omega < 0) && !(decay < 0), omega, decay);
   const double phase = omega * h;
@@ -30,7 +30,8 @@ SpringStep SpringStep::of(double omega, double decay, double h) {
     const double sine = sine_cosine(0.5 * angle).sine;
     hold = phase * phase / ((1 - left) * (1 - left) + 4 * left * sine * sine) - 1;
   }
-  return {hold, hold - lost * (1 + hold), omega * phase};
+  const double keep = hold - lost * (1 + hold);
+  return {std::max(hold, phase * phase / max_closed - 1), keep, omega * phase};
 }
 
 }  // namespace atl::solver

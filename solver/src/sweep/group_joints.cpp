@@ -93,6 +93,18 @@ void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const
   of.ratio[lane] = static_cast<float>(joint.ratio);
 }
 
+// Rates of coordinates, by the bodies' velocities as the step begins. Along rows as they act while the joint holds,
+// what breaks the joint would count as well: a rotor would get that rate from nothing.
+void start_rates(std::span<JointRowBlock> rows, std::size_t lane, const Joint& joint, const BodyTable& table) {
+  const JointFrames frames = frames_of(joint, start_pose(table, joint.first), start_pose(table, joint.second));
+  for (std::size_t r = 0; r < joint.rows; ++r) {
+    if (!joint.law[r].looks_back()) continue;
+    const JointRow at = law_row(joint, r, frames, joint.position[r]).at;
+    rows[r].rate[lane] = speed(at.rate(table.velocity(joint.first), table.angular_velocity(joint.first),
+                                       table.velocity(joint.second), table.angular_velocity(joint.second)));
+  }
+}
+
 // The rates that a row's springs and servo leave, of what the row answers with now to the law that `of` has.
 void set_springs(JointRowBlock& row, const JointCoordinateBlock& of, std::size_t lane) {
   const double response = row.inverse_mass[lane];
@@ -118,19 +130,21 @@ void soften_springs(JointRowBlock& row, const JointCoordinateBlock& of, std::siz
   row.soft_friction_change[lane] = static_cast<float>(left * row.soft_friction_change[lane]);
 }
 
-// The law of springs, servos and armatures in a substep, from the rate before its forces.
+// The law of springs, servos and armatures in a substep, from the rate before its forces: that at which the row left
+// the coordinate. Whatever has moved bodies since did so without a rotor, which has kept it. `max_closed` as SpringStep
+// has it.
 void find_springs(JointRowBlock& row, JointCoordinateBlock& of, std::size_t lane, const Law& law, double position,
-                  double rate, double h) {
-  const double mass = row.mass[lane], free = of.response[lane];
+                  double max_closed, double h) {
+  const double mass = row.mass[lane], free = of.response[lane], rate = row.rate[lane];
   ATL_ASSERT(!(mass <= 0) && !(free <= 0), lane, mass, free);
   JointRow at;
   at.value = position;
   at.share = of.share[lane];
   const LinearStep spring =
-      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, h) : LinearStep{};
+      law.springs() || law.armature > 0 ? LinearStep::of_spring(law, at, mass, 1 / free, h, max_closed) : LinearStep{};
   of.spring_slope[lane] = static_cast<float>(mass * spring.hold);
   of.spring_impulse[lane] = static_cast<float>(mass * (spring.shift + spring.keep * rate));
-  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, h) : LinearStep{};
+  const LinearStep servo = law.is_servo() ? LinearStep::of_servo(law, at, mass, h, max_closed) : LinearStep{};
   of.servo_slope[lane] = static_cast<float>(mass * servo.hold);
   if (servo.hold > 0) row.next_motor_speed[lane] = speed((servo.shift + servo.keep * rate) / servo.hold);
 }
@@ -220,7 +234,8 @@ void GroupJoints::add_stiffness(const JointStep& step, std::span<Matrix3> stiffn
 
 void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
-    const JointBlock& block = blocks_[b];
+    JointBlock& block = blocks_[b];
+    block.looks_back = 0;
     for (std::size_t r = 0; r < block.rows; ++r) {
       JointCoordinateBlock& of = coordinates_[block.first_row + r] = {};
       std::fill_n(of.coordinate, block_lanes, -1.0f);
@@ -235,6 +250,10 @@ void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::si
         const std::size_t row = block.first_row + r;
         set_coordinate(coordinates_[row], lane, joint, r, step.h);
         rows_[row].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
+      }
+      if (joint.looks_back()) {
+        block.looks_back = 1;
+        start_rates(std::span(rows_).subspan(block.first_row, joint.rows), lane, joint, step.table);
       }
     }
   }
@@ -267,12 +286,13 @@ void GroupJoints::begin_substep(const JointStep& step, std::size_t begin, std::s
       for (std::size_t lane = 0; lane < block_lanes && (may_bounce_ || of.springs != 0); ++lane) {
         const bool springs = (of.springs >> lane & 1u) != 0 && row.mass[lane] > 0;
         if (!springs && !may_bounce_) continue;
-        const double rate = rate_of(step.bodies, block, row, lane);
-        if (may_bounce_) row_rates_[number * block_lanes + lane].before = rate;
+        if (may_bounce_) row_rates_[number * block_lanes + lane].before = rate_of(step.bodies, block, row, lane);
         if (!springs) continue;
-        const Joint& joint = step.joints[block.joint[lane]];
+        const auto id = static_cast<std::uint32_t>(block.joint[lane]);
+        const Joint& joint = step.joints[id];
         const double value = base_of(joint.coordinate[r], joint.position[r]) + of.value[lane];
-        find_springs(row, of, lane, joint.law[r], value, rate, step.h);
+        const double max_closed = step.graph->is_single(id) ? SpringStep::unlimited : tuning::max_swept_closing;
+        find_springs(row, of, lane, joint.law[r], value, max_closed, step.h);
         set_springs(row, of, lane);
         soften_springs(row, of, lane, block.impulse_scale[lane]);
       }

@@ -86,7 +86,8 @@ void GroupTendons::begin_substep(const JointStep& step) {
   for (Tendon& tendon : tendons_) {
     const Law& law = law_of(step, tendon);
     const double mass = tendon.response > 0 ? 1 / tendon.response : 0;
-    tendon.law = RowLaw::of(law, {.value = tendon.length}, {.alone = mass, .joined = mass}, step.h, tuning::compliance);
+    tendon.law = RowLaw::of(law, {.value = tendon.length}, {.alone = mass, .joined = mass}, step.h, tuning::compliance,
+                            tuning::max_swept_closing);
     if (law.looks_back()) tendon.law.start_at(rate_of(tendon.pulled, step.bodies));
     tendon.split = 0;
   }

@@ -122,8 +122,8 @@ HWY_INLINE V lawful_rate(const JointRowBlock& row, std::size_t lane, bool moved,
 }
 
 template <Push push>
-HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::size_t lane, const JointSweep& sweep,
-                          JointLanes& c, Residual& residual) {
+HWY_INLINE void solve_row(JointRowBlock& row, float* accumulated, std::size_t lane, const JointSweep& sweep,
+                          bool looks_back, JointLanes& c, Residual& residual) {
   const V3 linear = load3(row.linear, lane);
   const V3 angular_first = load3(row.angular_first, lane);
   const V3 angular_second = load3(row.angular_second, lane);
@@ -131,7 +131,8 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   const V old_impulse = load(accumulated + lane);
   const V rate = row_rate(linear, angular_first, angular_second, c);
   const V free = hn::Sub(rate, hn::Mul(load(row.inverse_mass + lane), old_impulse));
-  const V change = hn::Sub(lawful_rate<push>(row, lane, sweep.moved, free), rate);
+  const V lawful = lawful_rate<push>(row, lane, sweep.moved, free);
+  const V change = hn::Sub(lawful, rate);
   const V impulse = hn::Mul(mass, change);
   JointLanes solved = c;
   apply(solved, impulse * linear, impulse * angular_first, impulse * angular_second);
@@ -142,6 +143,7 @@ HWY_INLINE void solve_row(const JointRowBlock& row, float* accumulated, std::siz
   c.second.v = select(active, solved.second.v, c.second.v);
   c.second.w = select(active, solved.second.w, c.second.w);
   store(hn::IfThenElse(active, hn::Add(old_impulse, impulse), old_impulse), accumulated + lane);
+  if (push != Push::Split && looks_back) store(lawful, row.rate + lane);
   if (sweep.measures) residual.add(hn::IfThenElse(active, change, zero()));
 }
 
@@ -204,7 +206,7 @@ float sweep_joint_blocks(const JointKernelData& data, const JointSweep& sweep, s
       // The point last: of what is left over it shows most.
       for (std::size_t r = block.first_row; r < block.first_row + block.rows; ++r) {
         float* impulse = push == Push::Split ? data.split_rows[r].impulse : data.rows[r].impulse;
-        solve_row<push>(data.rows[r], impulse, lane, sweep, c, residual);
+        solve_row<push>(data.rows[r], impulse, lane, sweep, block.looks_back != 0, c, residual);
       }
       if (block.point != 0) solve_point<push>(data.constants, block, lane, sweep, c, residual);
       store_joint_bodies(c, data, block, lane);

@@ -165,6 +165,10 @@ struct alignas(64) Joint {
     return static_cast<std::size_t>(std::find(coordinate.begin(), coordinate.begin() + rows, along) -
                                     coordinate.begin());
   }
+  /// Tells a joint with springs, servos or armatures.
+  bool looks_back() const {
+    return std::any_of(law.begin(), law.begin() + rows, [](const Law& of) { return of.looks_back(); });
+  }
   /// Tells a joint with springs, servos, motors or armatures.
   bool acts_as_force() const {
     return std::any_of(law.begin(), law.begin() + rows, [](const Law& of) { return of.acts_as_force(); });

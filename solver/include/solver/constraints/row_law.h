@@ -1,6 +1,7 @@
 #pragma once
 
 #include <solver/constraints/joint.h>
+#include <solver/constraints/spring_step.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -41,10 +42,13 @@ struct LinearStep {
   double shift = 0;  ///< m/s or rad/s, to be added
 
   /// The step of a spring, with the inertia that the law adds to `mass`, which is that of the coordinate without it.
-  /// The spring's frequency is that with `alone`, the mass along the row if nothing else holds the bodies.
-  static LinearStep of_spring(const Law& law, const JointRow& at, double mass, double alone, double h);
+  /// The spring's frequency is that with `alone`, the mass along the row if nothing else holds the bodies. `max_closed`
+  /// as SpringStep has it.
+  static LinearStep of_spring(const Law& law, const JointRow& at, double mass, double alone, double h,
+                              double max_closed = SpringStep::unlimited);
   /// The step of a servo, without that inertia: a servo goes with a spring, or with none.
-  static LinearStep of_servo(const Law& law, const JointRow& at, double mass, double h);
+  static LinearStep of_servo(const Law& law, const JointRow& at, double mass, double h,
+                             double max_closed = SpringStep::unlimited);
 };
 
 /// A Law over a time step: the impulse along a coordinate as a function of the rate that it ends with. It falls as the
@@ -66,8 +70,10 @@ struct RowLaw {
 
   /// h in s; what locks gives by `compliance` over the mass, or is left to the caller where that is 0. At rest before
   /// the step. What is damped more than it swings goes with all that is joined: the exact decay of less would hold it
-  /// back by more than it does. What swings goes with the least mass that it can have, or it might ring up.
-  static RowLaw of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance = 0);
+  /// back by more than it does. What swings goes with the least mass that it can have, or it might ring up. Springs and
+  /// servos close at most `max_closed` of the distance from where they rest: see SpringStep.
+  static RowLaw of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance = 0,
+                   double max_closed = SpringStep::unlimited);
   /// The same at a rate before the step's forces, once.
   void start_at(double rate) {
     spring_rate += spring_keeps * rate;

@@ -28,6 +28,8 @@ class JointGraph {
   /// The component of a joint; none if it doesn't act. Components are in order of their first joint.
   std::uint32_t component_of(std::uint32_t joint) const { return component_of_[joint]; }
   std::span<const JointLink> links_of(std::uint32_t component) const;
+  /// Tells a joint that is the only one of its component.
+  bool is_single(std::uint32_t joint) const { return links_of(component_of(joint)).size() == 1; }
   /// The number of joints that act between the same two bodies, this one included. All bodies that don't respond count
   /// as one.
   int parallel_joints(std::uint32_t joint) const { return parallel_[joint]; }

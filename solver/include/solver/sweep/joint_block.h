@@ -49,6 +49,7 @@ struct alignas(64) JointBlock {
   std::uint8_t point;               ///< 1 if the origins stay together
   std::uint8_t write_first;         ///< bit a lane: the first body is dynamic
   std::uint8_t write_second;
+  std::uint8_t looks_back;  ///< 1 if a law of its rows does: sweeps note the rates that rows leave
 };
 
 /// One coordinate of each joint of a block: its row of the Jacobian (see joint_coordinates.h) and its law, as numbers
@@ -90,6 +91,8 @@ struct alignas(64) JointRowBlock {
   float soft_motor_part[block_lanes];
   float soft_motor_change[block_lanes];
   float soft_friction_change[block_lanes];
+
+  float rate[block_lanes];  ///< m/s or rad/s, as the row last left it, where the block looks back
 };
 
 /// Frames of a block's joints as the step begins, of blocks with rows: what lanes find coordinates from.
