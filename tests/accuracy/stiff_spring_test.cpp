@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "support/joined_run.h"
 
@@ -84,6 +85,93 @@ TEST_P(StiffSpringTest, ComesToRestWhereSubstepsCannotFollow) {
       const Swing result = swing(turn, damping_ratio);
       EXPECT_LT(result.farthest, 1) << "w h = " << turn << ", ratio " << damping_ratio;
       EXPECT_LT(result.end, 1e-5) << "w h = " << turn << ", ratio " << damping_ratio;
+    }
+  }
+}
+
+// A spring along a coordinate, alone with a body, that turns or slides.
+struct Sprung {
+  World world;
+  JointId joint;
+  JointSolver solver;
+  double turn;  // rad a substep
+  double h;     // s
+
+  // Of what the steps' map keeps, by mass: velocities of swept joints are half a substep behind.
+  double energy() const {
+    const double x = world.joint_state(joint).position[0], u = world.joint_state(joint).speed[0];
+    const auto stiffness = [this](double sine) { return sine * sine / (h * h); };
+    return solver == JointSolver::Direct ? 0.5 * (u * u + stiffness(std::sin(turn)) * x * x)
+                                         : 0.5 * (u * u + stiffness(2 * std::sin(turn / 2)) * x * (x - h * u));
+  }
+};
+
+// Starts at rest at 0.3 m or rad. `axis` gets its spring here.
+Sprung sprung(JointSolver solver, bool turns, int substeps, double turn, JointAxis axis) {
+  const double h = dt / substeps;
+  axis.spring = JointSpring{.hertz = turn / h / (2 * std::numbers::pi), .damping_ratio = 0};
+  World world({.gravity = Vector3::Zero(), .settings = {.substeps = substeps, .joint_solver = solver}});
+  const BodyId hook = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
+  BodyDef def = {.shape = Sphere{0.1}, .mass = 1, .filter = {.mask = 0}};
+  if (turns) {
+    def.orientation = Quaternion(Eigen::AngleAxisd(0.3, Vector3::UnitX()));
+  } else {
+    def.position = {0.3, 0, 0};
+  }
+  const BodyId body = world.add_body(def);
+  const JointId joint = world.add_joint(
+      {.kind = turns ? JointKind(HingeJoint{axis}) : JointKind(SliderJoint{axis}), .first = hook, .second = body});
+  return {std::move(world), joint, solver, turn, h};
+}
+
+// Each bounce leaves the energy that the end's height and restitution say, however far a substep goes. With the force
+// of the substep's start all along the way, or kicks that held what had bounced, such a body flew ever farther.
+TEST(SprungBounces, LeaveWhatTheClosedFormSays) {
+  constexpr double restitution = 0.9, end = 2.0 / 3;
+  for (const JointSolver solver : {JointSolver::Direct, JointSolver::Iterative}) {
+    for (const int substeps : {1, 4}) {
+      for (const double turn : {0.1, 0.2, 0.4, 0.7}) {
+        for (const bool turns : {false, true}) {
+          Sprung run = sprung(solver, turns, substeps, turn,
+                              {.range = {.lower = -0.3 * end, .upper = unlimited, .restitution = restitution}});
+          run.world.step(1e-9);
+          const double start = run.energy();
+          double level = 1;
+          int bounces = 0;
+          for (int step = 0; step < 400 / substeps && bounces < 4; ++step) {
+            run.world.step(dt);
+            const double now = run.energy() / start;
+            EXPECT_LT(now, 1.03 * level) << solver_name(solver) << substeps << " " << turn << " " << turns << " "
+                                         << step;
+            while (now < 0.97 * level && bounces < 4) {
+              level = end * end + restitution * restitution * (level - end * end);
+              ++bounces;
+            }
+            EXPECT_GT(now, 0.97 * level) << solver_name(solver) << substeps << " " << turn << " " << turns;
+          }
+          EXPECT_EQ(bounces, 4) << solver_name(solver) << substeps << " " << turn << " " << turns;
+        }
+      }
+    }
+  }
+}
+
+// A rotor on an undamped spring swings as far for ever: its coordinate moves by what its rate says, at any turn a
+// substep.
+TEST(SprungRotors, SwingAsFarForEver) {
+  for (const bool turns : {false, true}) {
+    for (const double turn : {0.1, 0.5, 0.9}) {
+      for (const double armature : {0.0, 0.004, 1.0}) {
+        Sprung run = sprung(JointSolver::Direct, turns, 4, turn, {.armature = armature});
+        double late = 0;
+        for (int step = 0; step < 1000; ++step) {
+          run.world.step(dt);
+          const double position = std::abs(run.world.joint_state(run.joint).position[0]);
+          EXPECT_LT(position, 0.3 * (1 + 1e-3)) << turns << " " << turn << " " << armature << " " << step;
+          if (step > 700) late = std::max(late, position);
+        }
+        EXPECT_GT(late, 0.3 * (1 - 1e-2)) << turns << " " << turn << " " << armature;
+      }
     }
   }
 }

@@ -219,17 +219,21 @@ double RowLaw::rate_from(double free, double response) const {
   return rate;
 }
 
-LimitImpact LimitImpact::of(const Law& law, double position, double rate, double free_rate, double h) {
+LimitImpact LimitImpact::of(const Law& law, const JointRow& at, double mass, double rate, double free_rate, double h) {
   ATL_ASSERT(h > 0, h);
   ATL_ASSERT(!(law.lower > law.upper), law.lower, law.upper);
-  const double there = position + h * free_rate;
+  const double position = at.value, there = position + h * free_rate;
   const int end = there < law.lower ? -1 : there > law.upper ? 1 : 0;
   if (end == 0) return {};
   // Seen from the end that it hits, the coordinate has room > 0 left and comes at a speed > 0.
-  const double room = end < 0 ? position - law.lower : law.upper - position;
-  const double acceleration = end * (free_rate - rate) / h;
-  const double start = end * rate + 0.5 * h * acceleration;
-  const double square = start * start + 2 * acceleration * std::max(room, 0.0);
+  const double room = std::max(end < 0 ? position - law.lower : law.upper - position, 0.0);
+  const double at_start = end * (free_rate - rate) / h;
+  const LinearForce force = force_on(law, at, mass);
+  const SpringStep spring = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
+  const double falls = spring.pull / ((1 + spring.hold) * h);  // 1/s^2, the acceleration by the way
+  const double acceleration = at_start - falls * room;         // at the end of the range
+  const double start = end * rate + 0.5 * h * at_start;
+  const double square = start * start + (1 - 0.25 * h * h * falls) * (at_start + acceleration) * room;
   const double speed = start > 0 && square > 0 ? law.restitution * std::sqrt(square) : 0;
   if (!(speed > h * acceleration)) return {.rests = true};
   return {.end = end, .leaving = -end * speed, .leaving_late = -end * (speed + 0.5 * h * acceleration)};

@@ -379,7 +379,7 @@ void record_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all
       if (law.restitution == 0) continue;
       joint.impact[r] = joint.limit[r] != 0
                             ? LimitImpact{}
-                            : LimitImpact::of(law, joint.at[r].value, joint.rate_before[r], joint.rate[r], h);
+                            : LimitImpact::of(law, joint.at[r], joint.mass[r], joint.rate_before[r], joint.rate[r], h);
     }
   }
 }

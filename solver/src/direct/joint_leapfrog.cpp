@@ -77,6 +77,9 @@ void hold_late(RowLaw& law, double rate, int limit) {
   law = {.locked = true, .stiffness = law.stiffness, .lock_rate = lock_rate};
 }
 
+// Tells a coordinate that goes away from the end of its range, as after a bounce: nothing has held it in the kick.
+bool leaves(double rate, int limit) { return -limit * rate > tuning::resting_speed; }
+
 void add_impulse(const Law& of, double impulse, RowLaw& law) {
   if (of.is_servo() && law.motor_slope > 0) {
     law.motor_speed += impulse / law.motor_slope;
@@ -233,6 +236,7 @@ void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem)
       const Law& law = law_of(joints[joint.joint], r);
       const double rate = joint.rate_before[r];
       const double end_rate = sign < 0 ? rate : joint.bounces[r] ? joint.impact[r].leaving : 0;
+      if (sign < 0 && leaves(rate, joint.limit[r])) joint.limit[r] = 0;
       if (law.locked()) {
         joint.law[r].lock_rate = 0;
         continue;

@@ -3,6 +3,7 @@
 #include <jobs/assert.h>
 #include <solver/integrate/motion.h>
 #include <solver/integrate/state_bounds.h>
+#include <solver/integrate/trigonometry.h>
 
 #include <cmath>
 
@@ -18,6 +19,13 @@ double kinetic_energy(const BodyTable& bodies, std::span<const std::uint32_t> of
   double sum = 0;
   for (const std::uint32_t body : of) sum += kinetic_energy(bodies, body);
   return sum;
+}
+
+Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
+  const double angle = turn.norm();
+  const SineCosine half = sine_cosine(0.5 * angle);
+  const Vector3 vector = (angle > 0 ? half.sine / angle : 0.5) * turn;
+  return (Quaternion(half.cosine, vector.x(), vector.y(), vector.z()) * orientation).normalized();
 }
 
 void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum momentum, double energy, double rotors) {

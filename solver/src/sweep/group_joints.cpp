@@ -130,6 +130,19 @@ void soften_springs(JointRowBlock& row, const JointCoordinateBlock& of, std::siz
   row.soft_friction_change[lane] = static_cast<float>(left * row.soft_friction_change[lane]);
 }
 
+// The rate that springs, motors and friction make of a rate with the impulse that is carried, as lawful_rate() has it,
+// but for the ends of the range.
+double rate_by_law(const JointRowBlock& row, std::size_t lane, double rate) {
+  const double free = rate - static_cast<double>(row.inverse_mass[lane]) * row.impulse[lane];
+  const double part = row.motor_part[lane], max = row.motor_change[lane], friction = row.friction_change[lane];
+  const auto driven = [&](double from) {
+    return from + std::clamp(part * (row.next_motor_speed[lane] - from), -max, max);
+  };
+  const double sprung = row.spring_scale[lane] * free + row.spring_shift[lane];
+  if (friction == 0) return driven(sprung);
+  return std::min(std::max(driven(sprung - friction), 0.0), driven(sprung + friction));
+}
+
 // The law of springs, servos and armatures in a substep, from the rate before its forces: that at which the row left
 // the coordinate. Whatever has moved bodies since did so without a rotor, which has kept it. `max_closed` as SpringStep
 // has it.
@@ -315,10 +328,9 @@ bool GroupJoints::record_impacts(const JointStep& step, std::size_t begin, std::
         rate.impact = {};
         const Law& law = joint.law[r];
         if (law.restitution == 0 || !(row.mass[lane] > 0)) continue;
-        const double free_rate = rate_of(step.bodies, block, row, lane);
-        rate.impact =
-            LimitImpact::of(law, law_row(joint, r, frames, position_now(joint, r, block.first_row + r, lane)).at.value,
-                            rate.before, free_rate, step.h);
+        const double free_rate = rate_by_law(row, lane, rate_of(step.bodies, block, row, lane));
+        const JointRow at = law_row(joint, r, frames, position_now(joint, r, block.first_row + r, lane)).at;
+        rate.impact = LimitImpact::of(law, at, row.mass[lane], rate.before, free_rate, step.h);
         row.open_ends[lane] = rate.impact.rests ? 0 : 1;
         any |= rate.impact.end != 0;
       }
@@ -343,6 +355,7 @@ void GroupJoints::begin_bounces() {
 void GroupJoints::end_bounces() {
   ATL_ASSERT(blocks_before_.size() == blocks_.size() && rows_before_.size() == rows_.size(), blocks_before_.size(),
              blocks_.size(), rows_before_.size(), rows_.size());
+  for (std::size_t r = 0; r < rows_.size(); ++r) std::copy_n(rows_[r].rate, block_lanes, rows_before_[r].rate);
   std::copy(blocks_before_.begin(), blocks_before_.end(), blocks_.begin());  // kernels look for them there
   std::copy(rows_before_.begin(), rows_before_.end(), rows_.begin());
 }

@@ -178,10 +178,10 @@ struct LimitImpact {
   double leaving = 0;       ///< m/s or rad/s, the rate after it, where the position is now
   double leaving_late = 0;  ///< the same half a step behind the position, where substeps have rates
 
-  /// Finds the bounce from `position` at a `rate` that would be `free_rate` after h seconds if nothing held it, both
-  /// half a step behind positions; by Newton's law of restitution. A bounce that would be over within the step counts
-  /// as rest.
-  static LimitImpact of(const Law& law, double position, double rate, double free_rate, double h);
+  /// Finds the bounce from `at` at a `rate` that would be `free_rate` after h seconds if nothing held it, both half a
+  /// step behind positions; by Newton's law of restitution. The force of springs falls along the way, as it does with
+  /// `mass` (kg or kg m^2). A bounce that would be over within the step counts as rest.
+  static LimitImpact of(const Law& law, const JointRow& at, double mass, double rate, double free_rate, double h);
 };
 
 }  // namespace atl::solver

@@ -67,10 +67,8 @@ bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const V
 void record_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,
                    double dt, MovedBodies& notes);
 
-/// A turn by the vector `turn` (rad), of a small angle, after an orientation.
-inline Quaternion turned(const Vector3& turn, const Quaternion& orientation) {
-  const Vector3 half = 0.5 * turn;
-  return (Quaternion(1, half.x(), half.y(), half.z()) * orientation).normalized();
-}
+/// A turn by the vector `turn` (rad) after an orientation. It is exact: a coordinate that moved by less than its rate
+/// says would let a rotor on a spring gain energy.
+Quaternion turned(const Vector3& turn, const Quaternion& orientation);
 
 }  // namespace atl::solver
