@@ -264,7 +264,7 @@ void GroupJoints::prepare_rows(const JointStep& step, std::size_t begin, std::si
         set_coordinate(coordinates_[row], lane, joint, r, step.h);
         rows_[row].impulse[lane] = static_cast<float>(joint.impulse[r] / step.constants.refinement);
       }
-      if (joint.looks_back()) {
+      if (joint.looking_back() > 0) {
         block.looks_back = 1;
         start_rates(std::span(rows_).subspan(block.first_row, joint.rows), lane, joint, step.table);
       }
@@ -304,7 +304,8 @@ void GroupJoints::begin_substep(const JointStep& step, std::size_t begin, std::s
         const auto id = static_cast<std::uint32_t>(block.joint[lane]);
         const Joint& joint = step.joints[id];
         const double value = base_of(joint.coordinate[r], joint.position[r]) + of.value[lane];
-        const double max_closed = step.graph->is_single(id) ? SpringStep::unlimited : tuning::max_swept_closing;
+        const bool alone = step.graph->is_single(id) && joint.looking_back() == 1;
+        const double max_closed = alone ? SpringStep::unlimited : tuning::max_swept_closing;
         find_springs(row, of, lane, joint.law[r], value, max_closed, step.h);
         set_springs(row, of, lane);
         soften_springs(row, of, lane, block.impulse_scale[lane]);

@@ -236,7 +236,8 @@ HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, st
   store3(carried_second, block.carried_second, lane);
   store3(now.arm_first, block.arm_first, lane);
   store3(now.arm_second, block.arm_second, lane);
-  store_matrix(point_mass(data.bodies, c, now), block.mass, lane);
+  // Blocks with rows have it: these hold the point.
+  if (block.rows == 0) store_matrix(point_mass(data.bodies, c, now), block.mass, lane);
 }
 
 }  // namespace HWY_NAMESPACE

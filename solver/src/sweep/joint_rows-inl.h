@@ -64,7 +64,6 @@ HWY_INLINE V response_without_locks(const JointLanes& c, const V3& inverse_mass,
                          hn::Mul(trace(c.second.inverse_inertia), dot(row.second, row.second))));
 }
 
-// The mass of the point is that of where it was a substep ago: rows are nearly orthogonal to it then.
 HWY_INLINE void hold_point(const JointLanes& c, const V3& inverse_mass, const FrameLanes& frames,
                            const SymmetricMatrix& mass, M acts, RowLanes& row) {
   const PointLanes& point = frames.point;
@@ -285,6 +284,7 @@ inline void refresh_rows(const JointKernelData& data, bool moved, std::size_t be
     for (std::size_t lane = 0; lane < block_lanes; lane += lanes) {
       const JointLanes c = load_joints(data, block, lane);
       const FrameLanes frames = frames_now(data, block, data.frames[b], lane, c);
+      if (moved && block.point != 0) store_matrix(point_mass(data.bodies, c, frames.point), block.mass, lane);
       const V3 inverse_mass = c.inverse_mass_first + c.inverse_mass_second;
       const M with = with_locks(data.bodies, c);
       const V ratio = load(data.frames[b].ratio + lane);

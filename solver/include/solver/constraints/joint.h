@@ -165,9 +165,9 @@ struct alignas(64) Joint {
     return static_cast<std::size_t>(std::find(coordinate.begin(), coordinate.begin() + rows, along) -
                                     coordinate.begin());
   }
-  /// Tells a joint with springs, servos or armatures.
-  bool looks_back() const {
-    return std::any_of(law.begin(), law.begin() + rows, [](const Law& of) { return of.looks_back(); });
+  /// The number of rows with springs, servos or armatures.
+  std::ptrdiff_t looking_back() const {
+    return std::count_if(law.begin(), law.begin() + rows, [](const Law& of) { return of.looks_back(); });
   }
   /// Tells a joint with springs, servos, motors or armatures.
   bool acts_as_force() const {
