@@ -13,10 +13,10 @@ namespace {
 constexpr double unlimited_rate = 1e30;  // m/s or rad/s
 constexpr double min_hold = 1e-12;       // of what rounding leaves of a very soft spring
 
-// kg or kg m^2, that a spring or servo goes with: see RowLaw::of().
-using ForceOf = LinearForce (*)(const Law&, double, double);
-double mass_for(ForceOf force_of, const Law& law, const JointRow& at, const RowMass& mass) {
-  return force_of(law, mass.joined + law.armature, at.share).is_overdamped() ? mass.joined : mass.alone;
+// kg or kg m^2, that a spring or servo goes with: see RowLaw::of(). `force_of(mass)` is its force.
+template <typename ForceOf>
+double mass_for(const ForceOf& force_of, const RowMass& mass, double h) {
+  return force_of(mass.joined).is_overdamped() || force_of(mass.alone).is_stiff(h) ? mass.joined : mass.alone;
 }
 
 // A spring and a servo together, on a coordinate of such a mass.
@@ -62,6 +62,10 @@ double LinearForce::fastest() const { return std::max(std::sqrt(square_of_omega)
 
 bool LinearForce::is_stiff(double h) const { return fastest() * h > SpringStep::max_phase; }
 
+bool has_stiff_spring(const Law& law, const JointRow& at, double mass, double h) {
+  return law.springs() && mass > 0 && LinearForce::of_spring(law, mass + law.armature, at.share).is_stiff(h);
+}
+
 LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double alone, double h,
                                  double max_closed) {
   const double moved = mass + law.armature, stiffened = (alone + law.armature) / moved;
@@ -104,7 +108,8 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   }
   if (!(effective_mass > 0)) return row;
   if (law.springs() || law.armature > 0) {
-    const double moved = mass_for(LinearForce::of_spring, law, at, mass);
+    const auto force_of = [&](double of) { return LinearForce::of_spring(law, of + law.armature, at.share); };
+    const double moved = mass_for(force_of, mass, h);
     const LinearStep spring = LinearStep::of_spring(law, at, moved, effective_mass, h, max_closed);
     const double hold = std::max(spring.hold, min_hold);
     row.spring_slope = moved * hold;
@@ -112,7 +117,8 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
     row.spring_keeps = spring.keep / hold;
   }
   if (law.is_servo()) {
-    const double moved = mass_for(LinearForce::of_servo, law, at, mass);
+    const auto force_of = [&](double of) { return LinearForce::of_servo(law, of + law.armature, at.share); };
+    const double moved = mass_for(force_of, mass, h);
     const LinearStep servo = LinearStep::of_servo(law, at, moved, h, max_closed);
     const double hold = std::max(servo.hold, min_hold);
     row.motor_slope = moved * hold;
@@ -124,7 +130,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
 
 RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, double h, int sign, double rate,
                        double end_rate, int limit, int motor_bound) {
-  const double effective_mass = force_on(law, at, mass.joined).is_overdamped() ? mass.joined : mass.alone;
+  const double effective_mass = mass_for([&](double of) { return force_on(law, at, of); }, mass, h);
   RowLaw row;
   row.locked = law.locked();
   if (row.locked) return row;
@@ -181,7 +187,7 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, 
 
 double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, double h, double rate,
                        double acceleration) {
-  const double effective_mass = force_on(law, at, mass.joined).is_overdamped() ? mass.joined : mass.alone;
+  const double effective_mass = mass_for([&](double of) { return force_on(law, at, of); }, mass, h);
   const double moved = effective_mass + law.armature;
   if (!(effective_mass > 0)) return 0;
   LinearForce force = LinearForce::of_spring(law, moved, at.share);

@@ -220,7 +220,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     joint.tension = from.tension;
     joint.position = {};
     joint.given = joint.beyond = joint.back = {};
-    joint.joined.fill(1);
+    joint.joined = {};
     joint.impulse = {};
     joint.rate = joint.kept = {};
     joint.bend = {};

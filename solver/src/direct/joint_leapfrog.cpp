@@ -46,7 +46,7 @@ BodyPose next_pose(const BodyTable& table, double h, const MovingBody& moving, s
 // Tells if a damper slows the two bodies down so fast that it matters what else it moves.
 bool decays_notably(const Law& law, const DirectJoint& joint, std::size_t row, double h) {
   const double moved = joint.mass[row] + law.armature;
-  return joint.mass[row] > 0 && h * law.damping > tuning::notable_decay * moved;
+  return law.spring_hertz == 0 && joint.mass[row] > 0 && h * law.damping > tuning::notable_decay * moved;
 }
 
 // The bend of find_bends(). A coordinate of a term bends as its joint's bodies swing, and its polynomial as it moves.
@@ -174,6 +174,7 @@ void forget_bends(const Joint* joints, IslandProblem& problem) {
 
 void weigh_joined(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search) {
   for (DirectJoint& joint : problem.joints) {
+    joint.joined = {};
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       joint.law[r].spring_slope = law_of(joints[joint.joint], r).armature;
     }
@@ -182,18 +183,27 @@ void weigh_joined(const Joint* joints, double h, IslandProblem& problem, Balance
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
       const Law& law = law_of(joints[joint.joint], r);
-      if (law.damping == 0 || law.locked() || law.spring_hertz > 0 || !decays_notably(law, joint, r, h)) continue;
+      const bool matters = decays_notably(law, joint, r, h) || has_stiff_spring(law, joint.at[r], joint.mass[r], h);
+      if (law.locked() || !matters) continue;
       if (!is_factored(problem) && !search.matrix.factor(problem)) return;
       std::fill(answer.begin(), answer.end(), 0.0);
       DirectJoint::Rows<double> impulse = {};
       impulse[r] = 1;
       joint.add_impulses(impulse.data(), answer.data());
       search.matrix.solve(problem, answer);
-      const double moved = 1 / joint.rate_by(answer, r) - law.armature;
-      joint.joined[r] = std::max(moved / joint.mass[r], 1.0);
+      joint.joined[r] = 1 / joint.rate_by(answer, r) - law.armature;
     }
   }
   forget_factor(problem);
+}
+
+bool any_stiff_spring(const Joint* joints, double h, const IslandProblem& problem) {
+  for (const DirectJoint& joint : problem.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      if (has_stiff_spring(law_of(joints[joint.joint], r), joint.at[r], joint.mass[r], h)) return true;
+    }
+  }
+  return false;
 }
 
 bool is_against_locks(const IslandProblem& problem, const DirectJoint& joint) {

@@ -146,7 +146,6 @@ bool Substeps::solve() {
   begin();
   if (alone_) {
     conserved_ = Conservation(input_, rows_, problem_, bodies_);
-    if (rows_.damps && !by_bodies_) weigh_joined(input_.joints, h_, problem_, motions_.search);
     kick(-1);
   }
   for (int substep = 0; substep < substeps; ++substep) {
@@ -201,6 +200,9 @@ void Substeps::give_up_what_locks_forbid() {
 // Takes half a substep's forces back (-1), or on (1). Springs and servos have their half of it with all others, and
 // joints answer to them together: a spring that bears a load is in balance with it at every instant.
 void Substeps::kick(int sign) {
+  // The kick that gives and the next that takes, at the same poses, see stiff springs alike.
+  const bool weighs = rows_.looks_back && (sign < 0 || any_stiff_spring(input_.joints, h_, problem_));
+  if (weighs && !by_bodies_) weigh_joined(input_.joints, h_, problem_, motions_.search);
   if (rows_.acts) record_rates(problem_.velocity, problem_.joints);
   if (rows_.acts && sign < 0) give_up_what_locks_forbid();
   problem_.free = problem_.velocity;

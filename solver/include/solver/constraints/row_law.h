@@ -34,6 +34,9 @@ struct LinearForce {
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
 };
 
+/// Tells a spring that is too fast for steps of h seconds on a coordinate of such a mass (kg or kg m^2).
+bool has_stiff_spring(const Law& law, const JointRow& at, double mass, double h);
+
 /// A linear law over one step, as a function of the rate u before it and of the free rate u0: see SpringStep. Any other
 /// impulse changes the rate by 1 / (1 + hold) of what it would do without the law.
 struct LinearStep {
@@ -70,7 +73,8 @@ struct RowLaw {
 
   /// h in s; what locks gives by `compliance` over the mass, or is left to the caller where that is 0. At rest before
   /// the step. What is damped more than it swings goes with all that is joined: the exact decay of less would hold it
-  /// back by more than it does. What swings goes with the least mass that it can have, or it might ring up. Springs and
+  /// back by more than it does; and so does what would be too fast for the step without, which would be damped for
+  /// nothing. What swings else goes with the least mass that it can have, or it might ring up. Springs and
   /// servos close at most `max_closed` of the distance from where they rest: see SpringStep.
   static RowLaw of(const Law& law, const JointRow& at, const RowMass& mass, double h, double compliance = 0,
                    double max_closed = SpringStep::unlimited);

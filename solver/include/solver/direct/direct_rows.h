@@ -6,6 +6,7 @@
 #include <solver/constraints/row_law.h>
 #include <solver/constraints/tendon.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -112,7 +113,7 @@ struct DirectJoint {
   std::uint8_t still;   ///< likewise where motion locks of bodies let nothing move: see find_still()
   Rows<JointRow> at;    ///< but for those of the point, which its arms tell: see row()
   Rows<double> mass;    ///< kg or kg m^2, effective; of locks where the matrix is by bodies
-  Rows<double> joined;  ///< by how much heavier springs' coordinates are with all that is joined: see weigh_joined()
+  Rows<double> joined;  ///< kg or kg m^2, of springs' coordinates with all that is joined, or 0: see weigh_joined()
   Vector3 arm_first, arm_second;
   Rows<double> position;  ///< m or rad
   Rows<double> gap;       ///< m or rad, from where it is held
@@ -146,7 +147,7 @@ struct DirectJoint {
   bool is_lock(std::size_t row) const { return (locks >> row & 1) != 0; }
   bool is_still(std::size_t row) const { return (still >> row & 1) != 0; }
   JointRow row(std::size_t r) const;
-  RowMass row_mass(std::size_t r) const { return {.alone = mass[r], .joined = joined[r] * mass[r]}; }
+  RowMass row_mass(std::size_t r) const { return {.alone = mass[r], .joined = std::max(joined[r], mass[r])}; }
   /// m/s or rad/s: what velocities add to the rate `start` of a row beside the point's.
   double rate_by(const std::vector<double>& velocities, std::size_t row, double start = 0) const;
   /// The rates of all rows at these velocities, of bodies that respond.
