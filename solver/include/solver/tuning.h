@@ -164,8 +164,8 @@ inline constexpr double struck_substeps = 3;
 /// mechanisms one explodes without it, none with it.
 inline constexpr double max_closing_speed = 3;
 /// Energy error that is tolerated in islands whose joints touch something, in parts of the energy that springs and
-/// servos exchange with motion in a step. A leg that jumps by a servo of 45 rad/s at steps of 1/60 s comes up to 92% of
-/// its height with 0.
+/// servos exchange with motion in a step. A box of 1 kg that slides on a spring of 20 Hz with a rotor has a tenth of its
+/// energy left after nine seconds with 0, eight tenths with 0.01, and all with this.
 inline constexpr double exchange_tolerance = 0.1;
 /// Largest part by which the energy of jointed bodies is corrected in a step: see Conservation. With 0.05 three rods
 /// that whip lose all of theirs in 100 s at the default step, with 0.5 none.

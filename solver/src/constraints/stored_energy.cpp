@@ -9,13 +9,19 @@
 namespace atl::solver {
 namespace {
 
-double potential_of(const Law& law, double value) {
+// J: what is left in a spring at `off` from its rest (m or rad), of the energy that a leapfrog keeps: k/2 times the
+// offsets of now and of one `moved` ago.
+double potential_of(double stiffness, double off, double moved) { return 0.5 * stiffness * off * (off - moved); }
+
+double potential_of(const Law& law, double value, double moved) {
   double sum = 0;
-  if (law.stiffness > 0) sum += 0.5 * law.stiffness * (value - law.rest) * (value - law.rest);
+  if (law.stiffness > 0) sum += potential_of(law.stiffness, value - law.rest, moved);
   if (law.is_servo() && law.servo_stiffness > 0) {
-    const double force = law.servo_stiffness * std::abs(value - law.servo_target);
-    const double bounded = std::min(force, law.motor_force);
-    sum += bounded * (force - 0.5 * bounded) / law.servo_stiffness;
+    const double off = value - law.servo_target, force = law.servo_stiffness * std::abs(off);
+    if (force <= law.motor_force) return sum + potential_of(law.servo_stiffness, off, moved);
+    const double between = law.servo_stiffness * std::abs(off - 0.5 * moved);
+    const double bounded = std::min(between, law.motor_force);
+    sum += bounded * (between - 0.5 * bounded) / law.servo_stiffness;
   }
   return sum;
 }
@@ -26,19 +32,20 @@ bool stores(const Law& law) {
 
 }  // namespace
 
-void StoredEnergy::add(const Law& law, double value, double rate) {
+void StoredEnergy::add(const Law& law, double value, double rate, double lag) {
   if (law.locked() || !law.acts_as_force()) return;
-  potential += potential_of(law, value);
+  springs |= law.stiffness > 0 || (law.is_servo() && law.servo_stiffness > 0);
+  potential += potential_of(law, value, lag * rate);
   rotors += 0.5 * law.armature * rate * rate;
 }
 
-StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const BodyTable& bodies) {
+StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const BodyTable& bodies, double lag) {
   StoredEnergy stored;
   const Joint& joint = joints[index];
   if (!stores_energy(joint)) return stored;
   if (joint.is_tendon()) {
     const TendonNow now = tendon_now(joint, joints, bodies);
-    stored.add(joint.law[0], now.length, now.rate);
+    stored.add(joint.law[0], now.length, now.rate, lag);
     return stored;
   }
   const JointFrames frames = joint_frames(joint, bodies);
@@ -46,7 +53,8 @@ StoredEnergy StoredEnergy::of(std::uint32_t index, const Joint* joints, const Bo
     const JointRow at = law_row(joint, k, frames, joint.position[k]).at;
     stored.add(joint.law[k], at.value,
                at.rate(bodies.velocity(joint.first), bodies.angular_velocity(joint.first),
-                       bodies.velocity(joint.second), bodies.angular_velocity(joint.second)));
+                       bodies.velocity(joint.second), bodies.angular_velocity(joint.second)),
+               lag);
   }
   return stored;
 }

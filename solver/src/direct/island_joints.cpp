@@ -394,7 +394,7 @@ void record_armature_rates(const Joint* joints, const std::vector<double>& veloc
   }
 }
 
-void hold_rows(const Joint* joints, bool late, IslandProblem& problem) {
+void hold_rows(const Joint* joints, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     const Joint& of = joints[joint.joint];
     release_locks(of, joint);
@@ -413,7 +413,7 @@ void hold_rows(const Joint* joints, bool late, IslandProblem& problem) {
       if (joint.is_still(r) || !before.holds(joint.rate[r])) continue;
       joint.law[r].locked = true;
       joint.law[r].stiffness = joint.mass[r] / problem.lock_compliance;
-      if (joint.bounces[r]) joint.law[r].lock_rate = late ? joint.impact[r].leaving_late : joint.impact[r].leaving;
+      if (joint.bounces[r]) joint.law[r].lock_rate = joint.impact[r].leaving_late;
     }
   }
 }

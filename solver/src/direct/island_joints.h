@@ -56,8 +56,8 @@ void end_going_back(std::vector<DirectJoint>& all);
 void record_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all);
 
 /// Locks rows that are held after a solution, so that springs and motors no longer act on them. A coordinate that
-/// bounces leaves the end of its range; `late`: with velocities that are half a substep behind positions.
-void hold_rows(const Joint* joints, bool late, IslandProblem& problem);
+/// bounces leaves the end of its range, with velocities that are half a substep behind positions.
+void hold_rows(const Joint* joints, IslandProblem& problem);
 
 /// Notes the rates of armatures at these velocities.
 void record_armature_rates(const Joint* joints, const std::vector<double>& velocities, std::vector<DirectJoint>& all);

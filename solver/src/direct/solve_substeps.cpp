@@ -375,7 +375,7 @@ void Substeps::advance_coordinates() {
 // impulses, and answer to what is left alone. Returns false if there are none.
 bool Substeps::project() {
   if (motions_.pushes) end_going_back(problem_.joints);
-  hold_rows(input_.joints, alone_, problem_);
+  hold_rows(input_.joints, problem_);
   if (!alone_) {
     problem_.velocity = motions_.lasting;
     hold_resting_points(problem_, h_);

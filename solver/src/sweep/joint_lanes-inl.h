@@ -236,7 +236,7 @@ HWY_INLINE void refresh_point(const JointKernelData& data, JointBlock& block, st
   store3(carried_second, block.carried_second, lane);
   store3(now.arm_first, block.arm_first, lane);
   store3(now.arm_second, block.arm_second, lane);
-  // Blocks with rows have it: these hold the point.
+  // Blocks with rows have found it already, as these hold the point.
   if (block.rows == 0) store_matrix(point_mass(data.bodies, c, now), block.mass, lane);
 }
 

@@ -55,9 +55,10 @@ bool is_deep(const SolveInput& input, std::size_t island) {
 StoredEnergy stored_in(const SolveInput& input, std::size_t island) {
   StoredEnergy sum;
   for (const JointLink& link : input.islands.joints(island, island + 1)) {
-    const StoredEnergy stored = StoredEnergy::of(link.joint, input.joints, input.bodies);
+    const StoredEnergy stored = StoredEnergy::of(link.joint, input.joints, input.bodies, input.substep());
     sum.potential += stored.potential;
     sum.rotors += stored.rotors;
+    sum.springs |= stored.springs;
   }
   return sum;
 }
@@ -87,12 +88,12 @@ double height_of(const SolveInput& input, std::span<const std::uint32_t> bodies,
 }
 
 // J: of motion, in springs, rotors and heights. Semi-implicit Euler, which moves joints that hang on something fixed,
-// keeps the energy that there is with the heights of half a substep ago. An island that falls as a whole is moved at
-// second order, and keeps that with its own heights.
+// keeps the energy that there is with the heights of half a substep ago; so it does where springs carry weights, as
+// these count likewise. An island that falls as a whole is moved at second order, and keeps that with its own heights.
 double energy_of(const SolveInput& input, std::size_t island, const StoredEnergy& stored) {
   const auto bodies = input.islands.bodies(island, island + 1);
   const bool swings = input.islands.contacts(island, island + 1).empty() && !is_alone(input, island);
-  const double lag = swings ? input.dt / input.settings.substeps / 2 : 0;
+  const double lag = swings || stored.springs ? input.substep() / 2 : 0;
   double sum = stored.potential + stored.rotors + height_of(input, bodies, lag);
   for (const std::uint32_t body : bodies) sum += kinetic_energy(input.bodies, body);
   return sum;

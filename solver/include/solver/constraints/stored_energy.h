@@ -9,9 +9,12 @@ struct StoredEnergy {
   double potential =
       0;              ///< of springs and servos; a servo's limit bounds its force, so it grows linearly from there on
   double rotors = 0;  ///< of armatures, by the rates of their coordinates
+  bool springs = false;  ///< some spring or servo is there
 
-  static StoredEnergy of(std::uint32_t joint, const Joint* joints, const BodyTable& bodies);
-  void add(const Law& law, double value, double rate);
+  /// Velocities are half of `lag` (s) behind positions, as in semi-implicit Euler's substeps of so long: springs that
+  /// swing keep what is told of then.
+  static StoredEnergy of(std::uint32_t joint, const Joint* joints, const BodyTable& bodies, double lag);
+  void add(const Law& law, double value, double rate, double lag);
 };
 
 /// Tells a joint that may have energy of its own: in springs, servos or rotors.
