@@ -99,7 +99,7 @@ struct Sprung {
   double turn;  // rad a substep
   double h;     // s
 
-  // Of what the steps' map keeps, by mass: velocities of swept joints are half a substep behind.
+  // J/kg: the energy that the map of a substep keeps. Velocities of swept joints are half a substep behind.
   double energy() const {
     const double x = world.joint_state(joint).position[0], u = world.joint_state(joint).speed[0];
     const auto stiffness = [this](double sine) { return sine * sine / (h * h); };

@@ -9,8 +9,8 @@
 namespace atl::solver {
 namespace {
 
-// J: what is left in a spring at `off` from its rest (m or rad), of the energy that a leapfrog keeps: k/2 times the
-// offsets of now and of one `moved` ago.
+// J: the potential of a spring at `off` from its rest (m or rad), which was `moved` less far a substep ago: see
+// StoredEnergy::of().
 double potential_of(double stiffness, double off, double moved) { return 0.5 * stiffness * off * (off - moved); }
 
 double potential_of(const Law& law, double value, double moved) {

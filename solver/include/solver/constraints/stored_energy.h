@@ -6,13 +6,13 @@ namespace atl::solver {
 
 /// J: what one of all joints can give back, with its bodies as they are now.
 struct StoredEnergy {
-  double potential =
-      0;              ///< of springs and servos; a servo's limit bounds its force, so it grows linearly from there on
-  double rotors = 0;  ///< of armatures, by the rates of their coordinates
+  /// Of springs and servos; a servo's limit bounds its force, so it grows linearly from there on.
+  double potential = 0;
+  double rotors = 0;     ///< of armatures, by the rates of their coordinates
   bool springs = false;  ///< some spring or servo is there
 
-  /// Velocities are half of `lag` (s) behind positions, as in semi-implicit Euler's substeps of so long: springs that
-  /// swing keep what is told of then.
+  /// The potential is that which substeps of `lag` seconds of semi-implicit Euler keep together with the kinetic
+  /// energy, as velocities are half a substep behind positions: k/2 times the offset now and the one a substep ago.
   static StoredEnergy of(std::uint32_t joint, const Joint* joints, const BodyTable& bodies, double lag);
   void add(const Law& law, double value, double rate, double lag);
 };
