@@ -22,19 +22,12 @@ void set_lane(Lanes<3>& rows, std::size_t lane, const Vector3& from) {
   for (int i = 0; i < 3; ++i) rows[i][lane] = static_cast<float>(from[i]);
 }
 
-BodyPose start_pose(const BodyTable& table, std::uint32_t body) {
-  return {table.position(body), table.orientation(body)};
-}
-
-JointFrames frames_of(const Joint& joint, const BodyPose& first, const BodyPose& second) {
-  return joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
-}
-
 JointFrames frames_now(const JointStep& step, const JointBlock& block, std::size_t lane) {
   const Joint& joint = step.joints[block.joint[lane]];
   const auto local = [](std::int32_t number) { return static_cast<std::uint32_t>(number); };
-  return frames_of(joint, pose_now(step, joint.first, local(block.first[lane])),
-                   pose_now(step, joint.second, local(block.second[lane])));
+  const BodyPose first = pose_now(step, joint.first, local(block.first[lane]));
+  const BodyPose second = pose_now(step, joint.second, local(block.second[lane]));
+  return joint_frames(joint, first.position, first.orientation, second.position, second.orientation);
 }
 
 double rate_of(const SolverBodies& bodies, const JointBlock& block, const JointRowBlock& row, std::size_t lane) {
@@ -96,7 +89,7 @@ void set_frames(JointFrameBlock& of, std::size_t lane, const Joint& joint, const
 // Rates of coordinates, by the bodies' velocities as the step begins. Along rows as they act while the joint holds,
 // what breaks the joint would count as well: a rotor would get that rate from nothing.
 void start_rates(std::span<JointRowBlock> rows, std::size_t lane, const Joint& joint, const BodyTable& table) {
-  const JointFrames frames = frames_of(joint, start_pose(table, joint.first), start_pose(table, joint.second));
+  const JointFrames frames = joint_frames(joint, table);
   for (std::size_t r = 0; r < joint.rows; ++r) {
     if (!joint.law[r].looks_back()) continue;
     const JointRow at = law_row(joint, r, frames, joint.position[r]).at;
@@ -391,8 +384,7 @@ void GroupJoints::store(const JointStep& step, std::size_t begin, std::size_t en
       Vector3 angular = Vector3::Zero();
       joint.point_impulse = together * linear;
       if (block.rows > 0) {
-        const JointFrames frames =
-            frames_of(joint, start_pose(step.table, joint.first), start_pose(step.table, joint.second));
+        const JointFrames frames = joint_frames(joint, step.table);  // bodies have their new poses
         for (std::size_t r = 0; r < joint.rows; ++r) {
           const JointRowBlock& row = rows_[block.first_row + r];
           const double impulse = row.impulse[lane];
