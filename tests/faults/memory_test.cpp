@@ -234,7 +234,7 @@ std::vector<Call> all_calls() {
   return calls;
 }
 
-/// What came of a call that had memory for so many allocations.
+/// The end of a call that had memory for so many allocations.
 struct Outcome {
   bool enough, threw;
 };

@@ -38,7 +38,7 @@ struct JointRange {
 
 /// A damped spring that pulls a coordinate to its rest. Any stiffness is stable. Without damping no energy is lost; but
 /// among swept joints, a spring that would close more than 0.3 of its way in a substep is damped until it doesn't.
-/// Either as a frequency, with the two bodies' effective mass along the coordinate as they are at the time, as if
+/// Given either as a frequency, with the two bodies' effective mass along the coordinate as they are at the time, as if
 /// nothing else held them; or, with `stiffness` or `damping`, as a force linear in offset and speed.
 struct JointSpring {
   double hertz = 1;                      ///< > 0

@@ -6,7 +6,7 @@ namespace atl::solver {
 
 /// J: what one of all joints can give back, with its bodies as they are now.
 struct StoredEnergy {
-  /// Of springs and servos; a servo's limit bounds its force, so it grows linearly from there on.
+  /// The energy of springs and servos; a servo's limit bounds its force, so it grows linearly from there on.
   double potential = 0;
   double rotors = 0;     ///< of armatures, by the rates of their coordinates
   bool springs = false;  ///< some spring or servo is there
