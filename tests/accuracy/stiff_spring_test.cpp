@@ -158,33 +158,41 @@ TEST(SprungBounces, LeaveWhatTheClosedFormSays) {
   }
 }
 
-// A small ball at the end of an arm, on a spring that turns it: what the hinge holds is nearly all that moves.
+// A small ball at the end of an arm, on a spring or a servo that turns it: what the hinge holds is nearly all that moves.
+void expect_closed_form_of_arm(JointSolver solver, double arm, double turn, bool servo) {
+  const double w = turn / substep();
+  World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = solver}});
+  const BodyId hook = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
+  const Quaternion start(Eigen::AngleAxisd(0.3, Vector3::UnitX()));
+  const BodyId ball = world.add_body({.shape = Sphere{0.05},
+                                      .position = start * Vector3(0, arm, 0),
+                                      .orientation = start,
+                                      .mass = 1,
+                                      .filter = {.mask = 0}});
+  const double stiffness = (0.4 * 0.05 * 0.05 + arm * arm) * w * w;
+  JointAxis axis;
+  if (servo) {
+    axis.motor = JointMotor{.max_force = unlimited, .servo = JointServo{.stiffness = stiffness}};
+  } else {
+    axis.spring = JointSpring{.stiffness = stiffness};
+  }
+  const JointId joint = world.add_joint(
+      {.kind = HingeJoint{axis}, .first = hook, .second = ball, .frame_second = {.position = {0, -arm, 0}}});
+  double error = 0;
+  for (int step = 1; step <= 60; ++step) {
+    world.step(dt);
+    error = std::max(error, std::abs(world.joint_state(joint).position[0] - 0.3 * std::cos(w * step * dt)));
+  }
+  const double limit = solver == JointSolver::Direct ? 1.5 * turn * turn : turn;
+  EXPECT_LT(error, 0.3 * limit + 3e-5) << solver_name(solver) << " " << arm << " " << turn << " " << servo;
+}
+
 TEST(SprungArms, SwingAsTheClosedFormHasIt) {
   for (const JointSolver solver : {JointSolver::Direct, JointSolver::Iterative}) {
     for (const double arm : {0.0, 0.3, 1.5}) {
       for (const double turn : {0.03, 0.1, 0.3, 0.9}) {
         if (solver == JointSolver::Iterative && turn > 0.5) continue;  // where amplitudes are off, too
-        const double w = turn / substep();
-        World world({.gravity = Vector3::Zero(), .settings = {.joint_solver = solver}});
-        const BodyId hook = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
-        const Quaternion start(Eigen::AngleAxisd(0.3, Vector3::UnitX()));
-        const BodyId ball = world.add_body({.shape = Sphere{0.05},
-                                            .position = start * Vector3(0, arm, 0),
-                                            .orientation = start,
-                                            .mass = 1,
-                                            .filter = {.mask = 0}});
-        const double stiffness = (0.4 * 0.05 * 0.05 + arm * arm) * w * w;
-        const JointId joint = world.add_joint({.kind = HingeJoint{{.spring = JointSpring{.stiffness = stiffness}}},
-                                               .first = hook,
-                                               .second = ball,
-                                               .frame_second = {.position = {0, -arm, 0}}});
-        double error = 0;
-        for (int step = 1; step <= 60; ++step) {
-          world.step(dt);
-          error = std::max(error, std::abs(world.joint_state(joint).position[0] - 0.3 * std::cos(w * step * dt)));
-        }
-        const double limit = solver == JointSolver::Direct ? 1.5 * turn * turn : turn;
-        EXPECT_LT(error, 0.3 * limit + 3e-5) << solver_name(solver) << " " << arm << " " << turn;
+        for (const bool servo : {false, true}) expect_closed_form_of_arm(solver, arm, turn, servo);
       }
     }
   }

@@ -86,6 +86,61 @@ TEST(BlockLdlt, SolvesChainsOfAnyMassRatio) {
   }
 }
 
+// The blocks of the inverse where the factor has blocks: trees and loops of nodes of one size, and of several.
+TEST(BlockLdlt, InvertsWhereItHasBlocks) {
+  Random random(10);
+  for (int run = 0; run < 40; ++run) {
+    const std::uint32_t count = 1 + static_cast<std::uint32_t>(run) % 12;
+    std::vector<std::uint8_t> sizes;
+    Couplings couplings;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      sizes.push_back(
+          static_cast<std::uint8_t>(run % 4 == 0 ? 1 + random.below(6) : 3u + static_cast<unsigned>(run) % 4));
+      if (i > 0) couplings.push_back({random.below(i), i});
+      if (i > 2 && run % 2 == 0) couplings.push_back({i - 2, i});
+    }
+    BlockLdlt blocks;
+    ASSERT_TRUE(blocks.analyse(sizes, couplings));
+    blocks.clear();
+    const auto rows = static_cast<Eigen::Index>(blocks.rows());
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(rows, rows);
+    const auto any = [&](std::uint32_t node) {
+      return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(sizes[node], 6, [&] { return random.real(-1, 1); }));
+    };
+    const auto add = [&](std::uint32_t a, std::uint32_t b, const Eigen::MatrixXd& values) {
+      const auto row = static_cast<Eigen::Index>(blocks.row(a)), column = static_cast<Eigen::Index>(blocks.row(b));
+      dense.block(row, column, values.rows(), values.cols()) += values;
+      if (a == b) {
+        blocks.diagonal(a) += values;
+      } else {
+        dense.block(column, row, values.cols(), values.rows()) += values.transpose();
+        blocks.add(a, b, values);
+      }
+    };
+    for (std::uint32_t i = 0; i < count; ++i) add(i, i, Eigen::MatrixXd::Identity(sizes[i], sizes[i]));
+    for (const auto& [a, b] : couplings) {
+      const Eigen::MatrixXd of_a = any(a), of_b = any(b);
+      add(a, a, of_a * of_a.transpose());
+      add(b, b, of_b * of_b.transpose());
+      add(a, b, of_a * of_b.transpose());
+    }
+    ASSERT_TRUE(blocks.factor());
+    std::vector<double> inverse;
+    blocks.invert(inverse);
+    const Eigen::MatrixXd expected = dense.inverse();
+    const auto compare = [&](std::uint32_t a, std::uint32_t b) {
+      const std::uint32_t row = blocks.is_earlier(a, b) ? b : a, column = row == a ? b : a;
+      const Eigen::Map<const Eigen::MatrixXd> block(&inverse[blocks.block_index(a, b)], sizes[row], sizes[column]);
+      const auto first = static_cast<Eigen::Index>(blocks.row(row));
+      const auto second = static_cast<Eigen::Index>(blocks.row(column));
+      EXPECT_LT((block - expected.block(first, second, block.rows(), block.cols())).norm(), 1e-12 * expected.norm())
+          << run << ": " << a << ", " << b;
+    };
+    for (std::uint32_t i = 0; i < count; ++i) compare(i, i);
+    for (const auto& [a, b] : couplings) compare(a, b);
+  }
+}
+
 // Pivots of condition 1e12, and a coupling along all of them: with their explicit inverses it would cost definiteness.
 TEST(BlockLdlt, KeepsDefinitenessOfBadlyConditionedBlocks) {
   Random random(9);

@@ -42,6 +42,9 @@ inline constexpr double min_swept_response_share = 3e-3;
 /// once ring up with them. Of 1500 random mechanisms with springs, ranges and pins, at one sweep, 31 gain energy
 /// without, 14 at 0.6 and 4 here. By default a spring of 20 Hz closes as much.
 inline constexpr double max_swept_closing = 0.3;
+/// The same of all joints around a body together, that may pull it one way. Sixteen springs that close a quarter each
+/// lose a ball; up to six are bound as one by itself.
+inline constexpr double max_swept_closing_together = 2;
 /// m or rad by which a locked coordinate is brought back in a substep at most. Without, hinges whose axes are put apart
 /// close at 248 rad/s; with an eighth of it a servo's arm gets nine tenths of the torque. Also the distance from the
 /// ends of its range from which on a free coordinate need not be ready to act.

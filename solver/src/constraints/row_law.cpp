@@ -16,22 +16,23 @@ constexpr double min_hold = 1e-12;       // of what rounding leaves of a very so
 // kg or kg m^2, that a spring or servo goes with: see RowLaw::of(). `force_of(mass)` is its force.
 template <typename ForceOf>
 double mass_for(const ForceOf& force_of, const RowMass& mass, double h) {
-  return force_of(mass.joined).is_overdamped() || force_of(mass.alone).is_stiff(h) ? mass.joined : mass.alone;
-}
-
-// A spring and a servo together, on a coordinate of such a mass.
-LinearForce force_on(const Law& law, const JointRow& at, double mass) {
-  LinearForce both;
-  if (!(mass > 0)) return both;
-  if (law.springs()) both = LinearForce::of_spring(law, mass + law.armature, at.share);
-  if (law.is_servo()) both.add(LinearForce::of_servo(law, mass + law.armature, at.share));
-  return both;
+  const LinearForce alone = force_of(mass.alone).on_share(mass.share);
+  return force_of(mass.joined).is_overdamped() || alone.is_stiff(h) ? mass.joined : mass.alone;
 }
 
 // Tells if a rate, in m/s or rad/s, isn't the one at which a motor or dry friction holds a coordinate.
 bool is_behind(double behind, double rate) { return std::abs(behind) > tuning::motor_behind * (1 + std::abs(rate)); }
 
 }  // namespace
+
+LinearForce force_on(const Law& law, const JointRow& at, double mass, bool servo_at_bound) {
+  LinearForce both;
+  if (!(mass > 0)) return both;
+  const double moved = mass + law.armature;
+  if (law.springs()) both = LinearForce::of_spring(law, moved, at.share);
+  if (law.is_servo() && !servo_at_bound) both.add(LinearForce::of_servo(law, moved, at.share));
+  return both;
+}
 
 LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {
   ATL_ASSERT(mass > 0, mass);
@@ -67,21 +68,22 @@ bool has_stiff_spring(const Law& law, const JointRow& at, double mass, double h)
 }
 
 LinearStep LinearStep::of_spring(const Law& law, const JointRow& at, double mass, double alone, double h,
-                                 double max_closed) {
+                                 double max_closed, double mass_share) {
   const double moved = mass + law.armature, stiffened = (alone + law.armature) / moved;
   LinearForce force = LinearForce::of_spring(law, alone + law.armature, at.share);
-  force.square_of_omega *= stiffened;
-  force.decay *= stiffened;
+  force.square_of_omega *= stiffened / mass_share;
+  force.decay *= stiffened / mass_share;
   const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h, max_closed);
   const double pull = step.pull * (at.value - law.rest);
-  if (law.armature == 0) return {step.hold, step.keep, -pull};
-  const double own = law.armature / mass, share = moved / mass;
+  if (law.armature == 0) return {mass_share * step.hold, mass_share * step.keep, -mass_share * pull};
+  const double own = law.armature / mass, share = mass_share * (moved / mass);
   return {own + share * step.hold, own + share * step.keep, -share * pull};
 }
 
-LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass, double h, double max_closed) {
-  const double moved = mass + law.armature, share = moved / mass;
-  const LinearForce force = LinearForce::of_servo(law, moved, at.share);
+LinearStep LinearStep::of_servo(const Law& law, const JointRow& at, double mass, double h, double max_closed,
+                                double mass_share) {
+  const double moved = mass + law.armature, share = mass_share * (moved / mass);
+  const LinearForce force = LinearForce::of_servo(law, moved, at.share).on_share(mass_share);
   const SpringStep step = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h, max_closed);
   return {share * step.hold, share * step.keep, share * (h * force.beside - step.pull * (at.value - force.rest))};
 }
@@ -110,7 +112,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   if (law.springs() || law.armature > 0) {
     const auto force_of = [&](double of) { return LinearForce::of_spring(law, of + law.armature, at.share); };
     const double moved = mass_for(force_of, mass, h);
-    const LinearStep spring = LinearStep::of_spring(law, at, moved, effective_mass, h, max_closed);
+    const LinearStep spring = LinearStep::of_spring(law, at, moved, effective_mass, h, max_closed, mass.share);
     const double hold = std::max(spring.hold, min_hold);
     row.spring_slope = moved * hold;
     row.spring_rate = spring.shift / hold;
@@ -119,7 +121,7 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
   if (law.is_servo()) {
     const auto force_of = [&](double of) { return LinearForce::of_servo(law, of + law.armature, at.share); };
     const double moved = mass_for(force_of, mass, h);
-    const LinearStep servo = LinearStep::of_servo(law, at, moved, h, max_closed);
+    const LinearStep servo = LinearStep::of_servo(law, at, moved, h, max_closed, mass.share);
     const double hold = std::max(servo.hold, min_hold);
     row.motor_slope = moved * hold;
     row.motor_speed = servo.shift / hold;
@@ -130,7 +132,9 @@ RowLaw RowLaw::of(const Law& law, const JointRow& at, const RowMass& mass, doubl
 
 RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, double h, int sign, double rate,
                        double end_rate, int limit, int motor_bound) {
-  const double effective_mass = mass_for([&](double of) { return force_on(law, at, of); }, mass, h);
+  const bool saturated = motor_bound != 0;
+  const auto force_of = [&](double of) { return force_on(law, at, of, saturated); };
+  const double effective_mass = mass_for(force_of, mass, h);
   RowLaw row;
   row.locked = law.locked();
   if (row.locked) return row;
@@ -157,10 +161,15 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, 
     row.motor_speed = rate;
   }
   // Whatever a motor gives beside: taken back in one kick alone, its force would come short in every step.
-  const bool stiff = force_on(law, at, effective_mass).is_stiff(h);
+  const auto is_stiff = [&](bool servo_at_bound) {
+    return force_on(law, at, effective_mass, servo_at_bound).on_share(mass.share).is_stiff(h);
+  };
+  const bool stiff = is_stiff(saturated);
   if (stiff) {
     row.motor_speed = rate;
     if (law.springs()) row.motor_impulse = Law::unlimited;
+  } else if (law.is_servo() && is_stiff(false)) {  // or it gave more than it has where it comes to its bound
+    row.motor_impulse = 0;
   } else if (law.drives() && sign < 0 && motor_bound != 0) {
     given -= motor_bound * row.motor_impulse;
     row.motor_impulse = 0;
@@ -187,16 +196,17 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, 
 
 double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, double h, double rate,
                        double acceleration) {
-  const double effective_mass = mass_for([&](double of) { return force_on(law, at, of); }, mass, h);
+  const auto force_of = [&](double of) {
+    const double asked =
+        law.is_servo() && of > 0 ? LinearForce::of_servo(law, of + law.armature, at.share).at(at.value, rate) : 0;
+    return force_on(law, at, of, (of + law.armature) * std::abs(asked) >= law.motor_force);
+  };
+  const double effective_mass = mass_for(force_of, mass, h);
   const double moved = effective_mass + law.armature;
   if (!(effective_mass > 0)) return 0;
-  LinearForce force = LinearForce::of_spring(law, moved, at.share);
-  if (law.is_servo()) {
-    const LinearForce servo = LinearForce::of_servo(law, moved, at.share);
-    if (moved * std::abs(servo.at(at.value, rate)) < law.motor_force) force.add(servo);
-  }
+  const LinearForce force = force_of(effective_mass);
   const double by_rate = h * h / 6 * force.square_of_omega, by_acceleration = h * h / 6 * force.decay;
-  if (force.is_stiff(h) || by_rate > 0.5 * h * force.decay) return 0;
+  if (force.on_share(mass.share).is_stiff(h) || by_rate > 0.5 * h * force.decay) return 0;
   ATL_ASSERT(!(by_rate < 0) && !(by_acceleration < 0), by_rate, by_acceleration);
   return moved * (by_rate * rate + by_acceleration * acceleration);
 }
@@ -225,19 +235,23 @@ double RowLaw::rate_from(double free, double response) const {
   return rate;
 }
 
-LimitImpact LimitImpact::of(const Law& law, const JointRow& at, double mass, double rate, double free_rate, double h) {
+double fall_by_own_spring(const Law& law, const JointRow& at, double mass, bool servo_at_bound, double h) {
+  ATL_ASSERT(h > 0, h);
+  const LinearForce force = force_on(law, at, mass, servo_at_bound);
+  const SpringStep spring = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
+  return spring.pull / ((1 + spring.hold) * h);
+}
+
+LimitImpact LimitImpact::of(const Law& law, double position, double falls, double rate, double free_rate, double h) {
   ATL_ASSERT(h > 0, h);
   ATL_ASSERT(!(law.lower > law.upper), law.lower, law.upper);
-  const double position = at.value, there = position + h * free_rate;
+  const double there = position + h * free_rate;
   const int end = there < law.lower ? -1 : there > law.upper ? 1 : 0;
   if (end == 0) return {};
   // Seen from the end that it hits, the coordinate has room > 0 left and comes at a speed > 0.
   const double room = std::max(end < 0 ? position - law.lower : law.upper - position, 0.0);
   const double at_start = end * (free_rate - rate) / h;
-  const LinearForce force = force_on(law, at, mass);
-  const SpringStep spring = SpringStep::of(std::sqrt(force.square_of_omega), force.decay, h);
-  const double falls = spring.pull / ((1 + spring.hold) * h);  // 1/s^2, the acceleration by the way
-  const double acceleration = at_start - falls * room;         // at the end of the range
+  const double acceleration = at_start - falls * room;  // at the end of the range
   const double start = end * rate + 0.5 * h * at_start;
   const double square = start * start + (1 - 0.25 * h * h * falls) * (at_start + acceleration) * room;
   const double speed = start > 0 && square > 0 ? law.restitution * std::sqrt(square) : 0;

@@ -148,6 +148,55 @@ inline void subtract_transposed(double* value, const double* block, const double
   });
 }
 
+constexpr std::size_t block_values = BlockLdlt::max_size * BlockLdlt::max_size;
+
+// Y = block L^-1, with the unit lower triangle of the pivot.
+inline void divide_by_unit(double* y, const double* block, const double* pivot, int rows, int columns) {
+  for (int c = columns - 1; c >= 0; --c) {
+    for (int r = 0; r < rows; ++r) y[r + rows * c] = block[r + rows * c];
+    for (int k = c + 1; k < columns; ++k) {
+      for (int r = 0; r < rows; ++r) y[r + rows * c] -= y[r + rows * k] * pivot[k + columns * c];
+    }
+  }
+}
+
+// target -= A y, or A^T y, with A of so many rows and columns before it is transposed.
+inline void subtract_times(double* target, const double* a, int rows, int inner, const double* y, int columns) {
+  for (int c = 0; c < columns; ++c) {
+    for (int k = 0; k < inner; ++k) {
+      for (int r = 0; r < rows; ++r) target[r + rows * c] -= a[r + rows * k] * y[k + inner * c];
+    }
+  }
+}
+inline void subtract_transposed_times(double* target, const double* a, int inner, int rows, const double* y,
+                                      int columns) {
+  for (int c = 0; c < columns; ++c) {
+    for (int r = 0; r < rows; ++r) {
+      double sum = 0;
+      for (int k = 0; k < inner; ++k) sum += a[k + inner * r] * y[k + inner * c];
+      target[r + rows * c] -= sum;
+    }
+  }
+}
+
+// (L D L^T)^-1 of a pivot, whole.
+inline void invert_pivot(double* to, const double* pivot, int size) {
+  double lower[block_values];  // L^-1
+  for (int c = 0; c < size; ++c) {
+    for (int r = 0; r < size; ++r) lower[r + size * c] = r == c ? 1 : 0;
+    for (int r = c + 1; r < size; ++r) {
+      for (int k = c; k < r; ++k) lower[r + size * c] -= pivot[r + size * k] * lower[k + size * c];
+    }
+  }
+  for (int c = 0; c < size; ++c) {
+    for (int r = 0; r <= c; ++r) {
+      double sum = 0;
+      for (int k = c; k < size; ++k) sum += lower[k + size * r] * pivot[k + size * k] * lower[k + size * c];
+      to[r + size * c] = to[c + size * r] = sum;
+    }
+  }
+}
+
 }  // namespace
 
 bool BlockLdlt::analyse(std::span<const std::uint8_t> sizes,
@@ -325,6 +374,43 @@ void BlockLdlt::solve_all(double* b) const {
   }
 }
 
+// The last column first: what is below a block of the inverse follows from the blocks of the columns after it.
+template <int Size>
+void BlockLdlt::invert_all(double* inverse) const {
+  const std::uint32_t* coupled = coupled_.data() + coupled_.size();
+  double* const divided = inverse + values_.size();  // L_below L_pivot^-1, block by block
+  for (std::size_t rank = columns_.size(); rank-- > 0;) {
+    const Column& column = columns_[rank];
+    const Below* const begin = below_.data() + (rank == 0 ? 0 : columns_[rank - 1].end);
+    const auto count = static_cast<std::size_t>(below_.data() + column.end - begin);
+    const int columns = Size > 0 ? Size : static_cast<int>(column.size);
+    const double* const pivot = values_.data() + column.diagonal;
+    const auto rows_of = [begin](std::size_t i) { return Size > 0 ? Size : static_cast<int>(begin[i].size); };
+    coupled -= count * (count - 1) / 2;
+    for (std::size_t i = 0; i < count; ++i) {
+      divide_by_unit(&divided[i * block_values], &values_[begin[i].values], pivot, rows_of(i), columns);
+    }
+    double* const diagonal = inverse + column.diagonal;
+    invert_pivot(diagonal, pivot, columns);
+    // The block of each pair has the rows of the later one.
+    const auto pair = [&](std::size_t i, std::size_t k) {
+      return inverse + coupled[i * count - i * (i + 1) / 2 + (k - i - 1)];
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+      double* const block = inverse + begin[i].values;
+      const int rows = rows_of(i);
+      std::fill_n(block, rows * columns, 0.0);
+      for (std::size_t k = 0; k < count; ++k) {
+        const double* const y = &divided[k * block_values];
+        if (k < i) subtract_times(block, pair(k, i), rows, rows_of(k), y, columns);
+        if (k == i) subtract_times(block, inverse + begin[i].diagonal, rows, rows, y, columns);
+        if (k > i) subtract_transposed_times(block, pair(i, k), rows_of(k), rows, y, columns);
+      }
+      subtract_transposed_times(diagonal, &divided[i * block_values], rows, columns, block, columns);
+    }
+  }
+}
+
 bool BlockLdlt::factor() {
   switch (common_size_) {
     case 3:
@@ -349,6 +435,24 @@ void BlockLdlt::solve(std::span<double> b) const {
       return solve_all<6>(b.data());
     default:
       return solve_all<0>(b.data());
+  }
+}
+
+void BlockLdlt::invert(std::vector<double>& inverse) const {
+  std::size_t longest = 0;
+  for (std::size_t rank = 0; rank < columns_.size(); ++rank) {
+    longest = std::max<std::size_t>(longest, columns_[rank].end - (rank == 0 ? 0 : columns_[rank - 1].end));
+  }
+  inverse.resize(values_.size() + longest * block_values);
+  switch (common_size_) {
+    case 3:
+      return invert_all<3>(inverse.data());
+    case 5:
+      return invert_all<5>(inverse.data());
+    case 6:
+      return invert_all<6>(inverse.data());
+    default:
+      return invert_all<0>(inverse.data());
   }
 }
 

@@ -48,7 +48,9 @@ bool DirectJoints::solve(const SolveInput& input) {
 void DirectJoints::begin_step(const SolveInput& input) {
   static_cast<void>(load_bodies(input, members_, motions_.problem, bodies_));
   rows_ = load_joints(input.joints, members_, motions_.problem.joints);
-  Substeps(input, bodies_, motions_, rows_).begin();
+  Substeps joints(input, bodies_, motions_, rows_);
+  joints.begin();
+  joints.weigh_crowded();
   if (!rows_.all_locked) record_rates(motions_.problem.velocity, motions_.problem.joints);
 }
 

@@ -183,6 +183,31 @@ void start_rate(const Law& of, bool reaches_ends, DirectJoint& joint, std::size_
   if (reaches_ends) start_at_limit(joint, row);
 }
 
+// 1/s^2: by how much the acceleration along a coordinate falls by its way, by what springs and servos make of it as all
+// coordinates go on at their rates.
+double fall_along(const Joint* joints, IslandProblem& problem, BalanceSearch& search, const DirectJoint& of,
+                  std::size_t row) {
+  if (of.rate[row] == 0 || (!is_factored(problem) && !search.matrix.factor(problem))) return 0;
+  std::vector<double>& answer = search.direction;
+  std::fill(answer.begin(), answer.end(), 0.0);
+  DirectJoint::Rows<double> impulse = {};
+  impulse[row] = 1;
+  of.add_impulses(impulse.data(), answer.data());
+  search.matrix.solve(problem, answer);
+  double sum = 0;
+  for (const DirectJoint& joint : problem.joints) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (law.locked() || !(joint.mass[r] > 0)) continue;
+      const bool at_bound = joint.law[r].motor_bound(joint.rate[r]) != 0;
+      const double stiffness =
+          (joint.mass[r] + law.armature) * force_on(law, joint.at[r], joint.mass[r], at_bound).square_of_omega;
+      if (stiffness > 0) sum += stiffness * joint.rate_by(answer, r) * joint.rate[r];
+    }
+  }
+  return sum / of.rate[row];
+}
+
 // Locks ask for no rate.
 void release_locks(const Joint& of, DirectJoint& joint) {
   joint.bend = {};
@@ -221,6 +246,7 @@ RowKinds load_joints(const Joint* all, const IslandMembers& members, std::vector
     joint.position = {};
     joint.given = joint.beyond = joint.back = {};
     joint.joined = {};
+    joint.share.fill(1);
     joint.impulse = {};
     joint.rate = joint.kept = {};
     joint.bend = {};
@@ -372,14 +398,25 @@ void end_going_back(std::vector<DirectJoint>& all) {
   }
 }
 
+void find_falls(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search) {
+  for (DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      const double there = joint.at[r].value + h * joint.rate[r];
+      if (law.restitution == 0 || joint.limit[r] != 0 || (law.lower <= there && there <= law.upper)) continue;
+      joint.impact[r].falls = fall_along(joints, problem, search, joint, r);
+    }
+  }
+}
+
 void record_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
     for (std::size_t r = 0; r < joint.rows; ++r) {
       const Law& law = law_of(joints[joint.joint], r);
       if (law.restitution == 0) continue;
-      joint.impact[r] = joint.limit[r] != 0
-                            ? LimitImpact{}
-                            : LimitImpact::of(law, joint.at[r], joint.mass[r], joint.rate_before[r], joint.rate[r], h);
+      joint.impact[r] = joint.limit[r] != 0 ? LimitImpact{}
+                                            : LimitImpact::of(law, joint.at[r].value, joint.impact[r].falls,
+                                                              joint.rate_before[r], joint.rate[r], h);
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// The joints of an island that is solved at once: their rows and laws, as bodies move.
 
+#include <solver/direct/balance_search.h>
 #include <solver/direct/island_members.h>
 #include <solver/direct/island_problem.h>
 #include <solver/direct/moving_bodies.h>
@@ -52,7 +53,10 @@ bool any_goes_back(const std::vector<DirectJoint>& all);
 void begin_going_back(std::vector<DirectJoint>& all);
 void end_going_back(std::vector<DirectJoint>& all);
 
-/// Finds how fast bouncing coordinates come to their ends, from a solution with ranges left out.
+/// Finds by how much springs slow coordinates down that come to their ends: from a solution with ranges left out, while
+/// they are, and by a solve for each of these coordinates.
+void find_falls(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search);
+/// Finds how fast they come there, from the same solution.
 void record_impacts(const Joint* joints, double h, std::vector<DirectJoint>& all);
 
 /// Locks rows that are held after a solution, so that springs and motors no longer act on them. A coordinate that

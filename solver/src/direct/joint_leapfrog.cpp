@@ -43,12 +43,6 @@ BodyPose next_pose(const BodyTable& table, double h, const MovingBody& moving, s
   return {moving.now.position + h * velocity, turned(h * turns, moving.now.orientation)};
 }
 
-// Tells if a damper slows the two bodies down so fast that it matters what else it moves.
-bool decays_notably(const Law& law, const DirectJoint& joint, std::size_t row, double h) {
-  const double moved = joint.mass[row] + law.armature;
-  return law.spring_hertz == 0 && joint.mass[row] > 0 && h * law.damping > tuning::notable_decay * moved;
-}
-
 // The bend of find_bends(). A coordinate of a term bends as its joint's bodies swing, and its polynomial as it moves.
 double bend_of_tendon(const SolveInput& input, double time, double h, std::span<const MovingBody> bodies,
                       const std::vector<double>& velocities, const DirectJoint& tendon) {
@@ -170,40 +164,6 @@ void forget_bends(const Joint* joints, IslandProblem& problem) {
     for (std::size_t r = 0; r < joint.rows; ++r) add_bend(joints[joint.joint], -joint.bend[r], r, joint.law[r]);
     joint.bend = {};
   }
-}
-
-void weigh_joined(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search) {
-  for (DirectJoint& joint : problem.joints) {
-    joint.joined = {};
-    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
-      joint.law[r].spring_slope = law_of(joints[joint.joint], r).armature;
-    }
-  }
-  std::vector<double>& answer = search.direction;
-  for (DirectJoint& joint : problem.joints) {
-    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
-      const Law& law = law_of(joints[joint.joint], r);
-      const bool matters = decays_notably(law, joint, r, h) || has_stiff_spring(law, joint.at[r], joint.mass[r], h);
-      if (law.locked() || !matters) continue;
-      if (!is_factored(problem) && !search.matrix.factor(problem)) return;
-      std::fill(answer.begin(), answer.end(), 0.0);
-      DirectJoint::Rows<double> impulse = {};
-      impulse[r] = 1;
-      joint.add_impulses(impulse.data(), answer.data());
-      search.matrix.solve(problem, answer);
-      joint.joined[r] = 1 / joint.rate_by(answer, r) - law.armature;
-    }
-  }
-  forget_factor(problem);
-}
-
-bool any_stiff_spring(const Joint* joints, double h, const IslandProblem& problem) {
-  for (const DirectJoint& joint : problem.joints) {
-    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
-      if (has_stiff_spring(law_of(joints[joint.joint], r), joint.at[r], joint.mass[r], h)) return true;
-    }
-  }
-  return false;
 }
 
 bool is_against_locks(const IslandProblem& problem, const DirectJoint& joint) {

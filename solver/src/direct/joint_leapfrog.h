@@ -26,12 +26,6 @@ void damp_by_like_rates(const Joint* joints, const std::vector<double>& along, I
 /// Takes back what locks and armatures answer.
 void forget_bends(const Joint* joints, IslandProblem& problem);
 
-/// Finds how heavy the coordinates of dampers and stiff springs are with all that is joined, where that matters in a
-/// substep of h seconds: with rows in place and before they have laws, so that locks and armatures alone act.
-void weigh_joined(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search);
-/// Tells joints with a spring that is too fast for substeps of h seconds, if nothing else held its bodies.
-bool any_stiff_spring(const Joint* joints, double h, const IslandProblem& problem);
-
 /// True if the rates that were noted are notably other than a joint's locks allow.
 bool is_against_locks(const IslandProblem& problem, const DirectJoint& joint);
 /// The laws of rows where nothing acts but locks, beside the inertia of armatures at the rates that were noted.

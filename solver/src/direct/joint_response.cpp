@@ -42,7 +42,10 @@ bool JointResponse::analyse(const IslandProblem& problem) {
     for (const std::uint32_t body : {joint.first, joint.second}) {
       if (body == no_body) continue;
       for (const std::uint32_t other : at_body[body]) {
-        couplings_.push_back({i, other, body, joint.second == body, joints[other].second == body, false, 0});
+        const bool again = std::any_of(couplings_.begin(), couplings_.end(), [&](const Coupling& coupling) {
+          return coupling.row == i && coupling.column == other;
+        });
+        couplings_.push_back({i, other, body, joint.second == body, joints[other].second == body, false, again, 0});
         pairs.emplace_back(i, other);
       }
       at_body[body].push_back(i);

@@ -10,6 +10,7 @@
 #include "direct/conservation.h"
 #include "direct/island_joints.h"
 #include "direct/island_solves.h"
+#include "direct/joined_masses.h"
 #include "direct/joint_leapfrog.h"
 #include "direct/substeps.h"
 #include "integrate/matrix3.h"
@@ -147,6 +148,8 @@ bool Substeps::solve() {
   if (alone_) {
     conserved_ = Conservation(input_, rows_, problem_, bodies_);
     kick(-1);
+  } else {
+    weigh_crowded();
   }
   for (int substep = 0; substep < substeps; ++substep) {
     const double time = h_ * (substep + 1);
@@ -181,6 +184,14 @@ void Substeps::begin() {
   place(0);
 }
 
+void Substeps::weigh_crowded() {
+  if (!rows_.looks_back) return;
+  std::vector<DirectContact> contacts;
+  contacts.swap(problem_.contacts);
+  solver::weigh_crowded(input_.joints, h_, problem_, motions_.search);
+  contacts.swap(problem_.contacts);
+}
+
 void Substeps::place(double time) {
   place_joints(input_, time, h_, bodies_, problem_);
   if (by_bodies_) weigh_locks(input_.joints, problem_);
@@ -202,7 +213,7 @@ void Substeps::give_up_what_locks_forbid() {
 void Substeps::kick(int sign) {
   // The kick that gives and the next that takes, at the same poses, see stiff springs alike.
   const bool weighs = rows_.looks_back && (sign < 0 || any_stiff_spring(input_.joints, h_, problem_));
-  if (weighs && !by_bodies_) weigh_joined(input_.joints, h_, problem_, motions_.search);
+  if (weighs) weigh_joined(input_.joints, h_, problem_, motions_.search);
   if (rows_.acts) record_rates(problem_.velocity, problem_.joints);
   if (rows_.acts && sign < 0) give_up_what_locks_forbid();
   problem_.free = problem_.velocity;
@@ -327,6 +338,7 @@ bool Substeps::find_impacts() {
   limit_ranges(false);
   if (!alone_) stop_contacts(problem_.contacts, h_);
   const bool found = alone_ ? solve_rows() : solve_by_newton(problem_, motions_.search);
+  if (found) find_falls(input_.joints, h_, problem_, motions_.search);
   limit_ranges(true);
   if (!found) return false;
   record_impacts(input_.joints, h_, problem_.joints);

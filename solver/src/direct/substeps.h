@@ -31,6 +31,8 @@ class Substeps {
 
   /// Prepares the first substep.
   void begin();
+  /// Finds where springs crowd, as if nothing touched: without kicks nothing else is weighed.
+  void weigh_crowded();
   /// Rows at the poses of now, `time` seconds into the step.
   void place(double time);
   /// Laws, from the rates that were noted.

@@ -67,6 +67,7 @@ void JointGraph::build(std::span<const Joint> joints, std::span<const std::uint8
   std::vector<std::uint32_t> cursor(start_.begin(), start_.end());
   for (const JointLink& link : links_) sorted_[cursor[component_of_[link.joint]]++] = link;
   count_parallel(joints, bodies);
+  count_around(bodies);
 }
 
 // Adds a tendon. Its link joins two dynamic bodies if it has as many.
@@ -105,6 +106,24 @@ void JointGraph::count_parallel(std::span<const Joint> joints, const BodyTable& 
         std::find_if(begin, by_pair.end(), [&](const JointLink& link) { return pair_of(link) != pair_of(*begin); });
     for (auto link = begin; link != end; ++link) parallel_[link->joint] = static_cast<int>(end - begin);
     begin = end;
+  }
+}
+
+void JointGraph::count_around(const BodyTable& bodies) {
+  jobs::CompactArray<std::uint32_t>& at_body = parent_;
+  std::fill(at_body.begin(), at_body.end(), 0);
+  for (const JointLink& link : links_) {
+    for (const std::uint32_t body : {link.first, link.second}) {
+      if (bodies.mobility[body] == Mobility::Dynamic) ++at_body[body];
+    }
+  }
+  for (const JointLink& tie : ties_) ++at_body[tie.second];
+  around_.assign(component_of_.size(), 0);
+  for (const JointLink& link : links_) {
+    for (const std::uint32_t body : {link.first, link.second}) {
+      if (bodies.mobility[body] != Mobility::Dynamic) continue;
+      around_[link.joint] = std::max(around_[link.joint], static_cast<int>(at_body[body]));
+    }
   }
 }
 

@@ -157,6 +157,12 @@ void find_springs(JointRowBlock& row, JointCoordinateBlock& of, std::size_t lane
 
 }  // namespace
 
+double max_closed_of(const JointStep& step, std::uint32_t joint) {
+  const int around = step.graph->joints_around(joint);
+  ATL_ASSERT(around > 0, joint, around);
+  return std::min(tuning::max_swept_closing, tuning::max_swept_closing_together / around);
+}
+
 BodyPose pose_now(const JointStep& step, std::uint32_t body, std::uint32_t local) {
   const DisplacementRows& displacement = step.bodies.displacement[local];
   return {step.table.position(body) + get3(displacement.linear),
@@ -298,7 +304,7 @@ void GroupJoints::begin_substep(const JointStep& step, std::size_t begin, std::s
         const Joint& joint = step.joints[id];
         const double value = base_of(joint.coordinate[r], joint.position[r]) + of.value[lane];
         const bool alone = step.graph->is_single(id) && joint.looking_back() == 1;
-        const double max_closed = alone ? SpringStep::unlimited : tuning::max_swept_closing;
+        const double max_closed = alone ? SpringStep::unlimited : max_closed_of(step, id);
         find_springs(row, of, lane, joint.law[r], value, max_closed, step.h);
         set_springs(row, of, lane);
         soften_springs(row, of, lane, block.impulse_scale[lane]);
@@ -324,7 +330,8 @@ bool GroupJoints::record_impacts(const JointStep& step, std::size_t begin, std::
         if (law.restitution == 0 || !(row.mass[lane] > 0)) continue;
         const double free_rate = rate_by_law(row, lane, rate_of(step.bodies, block, row, lane));
         const JointRow at = law_row(joint, r, frames, position_now(joint, r, block.first_row + r, lane)).at;
-        rate.impact = LimitImpact::of(law, at, row.mass[lane], rate.before, free_rate, step.h);
+        const double falls = fall_by_own_spring(law, at, row.mass[lane], joint.motor_bound[r] != 0, step.h);
+        rate.impact = LimitImpact::of(law, at.value, falls, rate.before, free_rate, step.h);
         row.open_ends[lane] = rate.impact.rests ? 0 : 1;
         any |= rate.impact.end != 0;
       }

@@ -87,7 +87,7 @@ void GroupTendons::begin_substep(const JointStep& step) {
     const Law& law = law_of(step, tendon);
     const double mass = tendon.response > 0 ? 1 / tendon.response : 0;
     tendon.law = RowLaw::of(law, {.value = tendon.length}, {.alone = mass, .joined = mass}, step.h, tuning::compliance,
-                            tuning::max_swept_closing);
+                            max_closed_of(step, tendon.joint));
     if (law.looks_back()) tendon.law.start_at(rate_of(tendon.pulled, step.bodies));
     tendon.split = 0;
   }

@@ -12,6 +12,7 @@ namespace atl::solver {
 struct RowMass {
   double alone = 0;   ///< of the two bodies, if nothing else held them
   double joined = 0;  ///< with all that joints hold to them, or `alone` where nobody has found that
+  double share = 1;   ///< the part of it that the coordinate's own springs move, where others act along with them
 };
 
 /// A spring and what else is linear along a coordinate: stiffness and damping by mass, with a force beside.
@@ -27,6 +28,8 @@ struct LinearForce {
   static LinearForce of_spring(const Law& law, double mass, double share = 1);
   static LinearForce of_servo(const Law& law, double mass, double share = 1);
   void add(const LinearForce& other);
+  /// On a part of the mass.
+  LinearForce on_share(double share) const { return {square_of_omega / share, decay / share, rest, beside / share}; }
   double fastest() const;  ///< 1/s, of its frequency and its decay
   bool is_overdamped() const { return decay > 0 && decay * decay >= 4 * square_of_omega; }
   /// Tells if steps of h seconds are too long to follow it: see SpringStep::max_phase.
@@ -34,6 +37,9 @@ struct LinearForce {
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
 };
 
+/// A spring and a servo together, on a coordinate of such a mass (kg or kg m^2). A servo that gives all the force it has
+/// is no spring: it pulls alike wherever the coordinate goes.
+LinearForce force_on(const Law& law, const JointRow& at, double mass, bool servo_at_bound);
 /// Tells a spring that is too fast for steps of h seconds on a coordinate of such a mass (kg or kg m^2).
 bool has_stiff_spring(const Law& law, const JointRow& at, double mass, double h);
 
@@ -48,10 +54,10 @@ struct LinearStep {
   /// The spring's frequency is that with `alone`, the mass along the row if nothing else holds the bodies. `max_closed`
   /// as SpringStep has it.
   static LinearStep of_spring(const Law& law, const JointRow& at, double mass, double alone, double h,
-                              double max_closed = SpringStep::unlimited);
+                              double max_closed = SpringStep::unlimited, double mass_share = 1);
   /// The step of a servo, without that inertia: a servo goes with a spring, or with none.
   static LinearStep of_servo(const Law& law, const JointRow& at, double mass, double h,
-                             double max_closed = SpringStep::unlimited);
+                             double max_closed = SpringStep::unlimited, double mass_share = 1);
 };
 
 /// A Law over a time step: the impulse along a coordinate as a function of the rate that it ends with. It falls as the
@@ -175,17 +181,22 @@ inline std::uint8_t RowLaw::pieces(double rate) const {
 double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, double h, double rate,
                        double acceleration);
 
+/// 1/s^2: by how much the acceleration along a coordinate of such a mass (kg or kg m^2) falls by its way, with a spring
+/// or servo of its own alone.
+double fall_by_own_spring(const Law& law, const JointRow& at, double mass, bool servo_at_bound, double h);
+
 /// The bounce of a coordinate at an end of its range within a step.
 struct LimitImpact {
   int end = 0;              ///< -1 the lower, 1 the upper; 0 if there is none
   bool rests = false;       ///< at an end, from which it doesn't come back
+  double falls = 0;         ///< 1/s^2, of the acceleration by the way, where springs make it
   double leaving = 0;       ///< m/s or rad/s, the rate after it, where the position is now
   double leaving_late = 0;  ///< the same half a step behind the position, where substeps have rates
 
-  /// Finds the bounce from `at` at a `rate` that would be `free_rate` after h seconds if nothing held it, both half a
-  /// step behind positions; by Newton's law of restitution. The force of springs falls along the way, as it does with
-  /// `mass` (kg or kg m^2). A bounce that would be over within the step counts as rest.
-  static LimitImpact of(const Law& law, const JointRow& at, double mass, double rate, double free_rate, double h);
+  /// Finds the bounce from `position` at a `rate` that would be `free_rate` after h seconds if nothing held it, both
+  /// half a step behind positions; by Newton's law of restitution. Springs make the acceleration fall along the way, by
+  /// `falls` (1/s^2). A bounce that would be over within the step counts as rest.
+  static LimitImpact of(const Law& law, double position, double falls, double rate, double free_rate, double h);
 };
 
 }  // namespace atl::solver

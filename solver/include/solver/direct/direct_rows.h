@@ -114,6 +114,7 @@ struct DirectJoint {
   Rows<JointRow> at;    ///< but for those of the point, which its arms tell: see row()
   Rows<double> mass;    ///< kg or kg m^2, effective; of locks where the matrix is by bodies
   Rows<double> joined;  ///< kg or kg m^2, of springs' coordinates with all that is joined, or 0: see weigh_joined()
+  Rows<double> share;   ///< of the mass, that the coordinate's own springs move: see RowMass
   Vector3 arm_first, arm_second;
   Rows<double> position;  ///< m or rad
   Rows<double> gap;       ///< m or rad, from where it is held
@@ -147,7 +148,7 @@ struct DirectJoint {
   bool is_lock(std::size_t row) const { return (locks >> row & 1) != 0; }
   bool is_still(std::size_t row) const { return (still >> row & 1) != 0; }
   JointRow row(std::size_t r) const;
-  RowMass row_mass(std::size_t r) const { return {.alone = mass[r], .joined = std::max(joined[r], mass[r])}; }
+  RowMass row_mass(std::size_t r) const { return {mass[r], std::max(joined[r], mass[r]), share[r]}; }
   /// m/s or rad/s: what velocities add to the rate `start` of a row beside the point's.
   double rate_by(const std::vector<double>& velocities, std::size_t row, double start = 0) const;
   /// The rates of all rows at these velocities, of bodies that respond.

@@ -38,6 +38,7 @@ class IslandMatrix {
 
   /// The response of joints, if the problem is of these alone and solved by it; else null.
   const JointResponse* joints() const { return joints_.empty() ? nullptr : &joints_; }
+  JointResponse* joints() { return joints_.empty() ? nullptr : &joints_; }
 
   /// See jobs/arrays.h.
   auto arrays() const { return std::tie(system_, placed_, joints_); }

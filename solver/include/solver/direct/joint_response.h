@@ -32,9 +32,16 @@ class JointResponse {
   void add_answer(const IslandProblem& problem, const std::vector<double>& impulses,
                   std::vector<double>& velocities) const;
   std::size_t rows() const { return system_.rows(); }
+  /// Inverts what has been factored, for
+  void invert() { system_.invert(inverse_); }
+  /// visit(joint, row, other joint, other row, response): the rate along a row that an impulse along another makes,
+  /// with all that rows hold. Visits pairs of a joint's rows, with each alone, and of joints that share a body, each
+  /// pair once, where both have a slope.
+  template <typename Visit>
+  void for_each_response(const IslandProblem& problem, const Visit& visit) const;
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(system_, couplings_, nodes_, response_, rates_, momenta_); }
+  auto arrays() const { return std::tie(system_, couplings_, nodes_, response_, inverse_, rates_, momenta_); }
 
  private:
   // Two joints at one body.
@@ -43,6 +50,7 @@ class JointResponse {
     std::uint32_t body;
     bool row_second, column_second;  // the body is the second of the node
     bool transposed;                 // in the system
+    bool again;                      // the two share a body before this one, too
     std::size_t block;
   };
 
@@ -73,9 +81,37 @@ class JointResponse {
   std::vector<Coupling> couplings_;
   std::vector<Node> nodes_;                      // by joint
   std::vector<double> response_;                 // the system without laws
+  std::vector<double> inverse_;                  // of the system
   bool plain_ = false;                           // all joints are points alone
   bool assigns_ = false;                         // every value of the system is written once
   mutable std::vector<double> rates_, momenta_;  // momenta are 0 between calls
 };
+
+// By Woodbury's formula the response is K^-1 - K^-1 (J M^-1 J^T + K^-1)^-1 K^-1.
+template <typename Visit>
+void JointResponse::for_each_response(const IslandProblem& problem, const Visit& visit) const {
+  const auto compliance_of = [&](std::size_t joint, std::size_t row) {
+    const DirectJoint& of = problem.joints[joint];
+    const double slope = of.is_lock(row) || of.law[row].locked ? 0 : of.law[row].slope(of.rate[row]);
+    return slope > 0 ? 1 / slope : 0;
+  };
+  const auto visit_block = [&](std::size_t row, std::size_t column, std::size_t block, bool transposed) {
+    const std::size_t rows = problem.joints[row].rows, columns = problem.joints[column].rows;
+    for (std::size_t c = 0; c < columns; ++c) {
+      const double given = compliance_of(column, c);
+      if (given == 0) continue;
+      for (std::size_t r = row == column ? c : 0; r < rows; ++r) {
+        const double gives = compliance_of(row, r);
+        const double value = inverse_[block + (transposed ? columns * r + c : r + rows * c)];
+        const double own = row == column && r == c ? gives : 0;
+        if (gives > 0) visit(row, r, column, c, own - gives * value * given);
+      }
+    }
+  };
+  for (std::size_t i = 0; i < nodes_.size(); ++i) visit_block(i, i, nodes_[i].block, false);
+  for (const Coupling& coupling : couplings_) {
+    if (!coupling.again) visit_block(coupling.row, coupling.column, coupling.block, coupling.transposed);
+  }
+}
 
 }  // namespace atl::solver

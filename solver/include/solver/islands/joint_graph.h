@@ -33,20 +33,23 @@ class JointGraph {
   /// The number of joints that act between the same two bodies, this one included. All bodies that don't respond count
   /// as one.
   int parallel_joints(std::uint32_t joint) const { return parallel_[joint]; }
+  /// The number of joints, with tendons, at that dynamic body of a joint's link that has the most.
+  int joints_around(std::uint32_t joint) const { return around_[joint]; }
 
   /// See jobs/arrays.h.
   auto arrays() const {
-    return std::tie(links_, ties_, component_of_, parallel_, sorted_, start_, parent_, component_of_root_);
+    return std::tie(links_, ties_, component_of_, parallel_, around_, sorted_, start_, parent_, component_of_root_);
   }
 
  private:
   void add_tendon(std::span<const Joint> joints, std::uint32_t tendon, const BodyTable& bodies);
   void count_parallel(std::span<const Joint> joints, const BodyTable& bodies);
+  void count_around(const BodyTable& bodies);
 
   jobs::CompactArray<JointLink> links_;
   jobs::CompactArray<JointLink> ties_;
   jobs::CompactArray<std::uint32_t> component_of_;       // by joint
-  jobs::CompactArray<int> parallel_;                     // likewise
+  jobs::CompactArray<int> parallel_, around_;            // likewise
   jobs::CompactArray<JointLink> sorted_;                 // by component, in order of joints
   jobs::CompactArray<std::uint32_t> start_;              // by component, in sorted_, and the end
   jobs::CompactArray<std::uint32_t> parent_;             // by body, while building

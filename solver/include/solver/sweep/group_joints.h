@@ -28,6 +28,9 @@ struct JointStep {
   double h;  ///< s, of a substep
 };
 
+/// The part of its distance from rest that a spring of this joint closes at most in a substep, as one of several.
+double max_closed_of(const JointStep& step, std::uint32_t joint);
+
 /// The pose to which its displacement has brought a body; `local` is its index into SolverBodies.
 BodyPose pose_now(const JointStep& step, std::uint32_t body, std::uint32_t local);
 
