@@ -39,12 +39,12 @@ bool JointResponse::analyse(const IslandProblem& problem) {
   for (std::uint32_t i = 0; i < joints.size(); ++i) {
     const DirectJoint& joint = joints[i];
     if (joint.is_tendon()) return false;
+    const auto before = static_cast<std::ptrdiff_t>(couplings_.size());
     for (const std::uint32_t body : {joint.first, joint.second}) {
       if (body == no_body) continue;
       for (const std::uint32_t other : at_body[body]) {
-        const bool again = std::any_of(couplings_.begin(), couplings_.end(), [&](const Coupling& coupling) {
-          return coupling.row == i && coupling.column == other;
-        });
+        const bool again = std::any_of(couplings_.begin() + before, couplings_.end(),
+                                       [&](const Coupling& coupling) { return coupling.column == other; });
         couplings_.push_back({i, other, body, joint.second == body, joints[other].second == body, false, again, 0});
         pairs.emplace_back(i, other);
       }

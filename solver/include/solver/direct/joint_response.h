@@ -32,11 +32,11 @@ class JointResponse {
   void add_answer(const IslandProblem& problem, const std::vector<double>& impulses,
                   std::vector<double>& velocities) const;
   std::size_t rows() const { return system_.rows(); }
-  /// Inverts what has been factored, for
+  /// Inverts the factored system, for for_each_response().
   void invert() { system_.invert(inverse_); }
-  /// visit(joint, row, other joint, other row, response): the rate along a row that an impulse along another makes,
-  /// with all that rows hold. Visits pairs of a joint's rows, with each alone, and of joints that share a body, each
-  /// pair once, where both have a slope.
+  /// Calls visit(joint, row, other joint, other row, response) with the rate along the one row that an impulse along
+  /// the other makes, under all that rows hold. Visits the pairs of a joint's rows, each row with itself too, and those
+  /// of joints that share a body, once each; only rows that have a slope.
   template <typename Visit>
   void for_each_response(const IslandProblem& problem, const Visit& visit) const;
 
