@@ -178,4 +178,11 @@ void DirectJoint::add_impulses(const double* impulses, double* momenta) const {
   add(second, 1, couple_second);
 }
 
+void DirectJoint::set_momenta(std::size_t row, std::vector<double>& momenta) const {
+  std::fill(momenta.begin(), momenta.end(), 0.0);
+  Rows<double> impulse = {};
+  impulse[row] = 1;
+  add_impulses(impulse.data(), momenta.data());
+}
+
 }  // namespace atl::solver

@@ -189,10 +189,7 @@ double fall_along(const Joint* joints, IslandProblem& problem, BalanceSearch& se
                   std::size_t row) {
   if (of.rate[row] == 0 || (!is_factored(problem) && !search.matrix.factor(problem))) return 0;
   std::vector<double>& answer = search.direction;
-  std::fill(answer.begin(), answer.end(), 0.0);
-  DirectJoint::Rows<double> impulse = {};
-  impulse[row] = 1;
-  of.add_impulses(impulse.data(), answer.data());
+  of.set_momenta(row, answer);
   search.matrix.solve(problem, answer);
   double sum = 0;
   for (const DirectJoint& joint : problem.joints) {

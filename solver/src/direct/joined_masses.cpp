@@ -63,14 +63,6 @@ double most_moved(const Joint* joints, double h, const IslandProblem& problem, s
   return most;
 }
 
-// Sets momenta to those of an impulse of 1 along a row.
-void find_momentum(const DirectJoint& joint, std::size_t row, std::vector<double>& momenta) {
-  std::fill(momenta.begin(), momenta.end(), 0.0);
-  DirectJoint::Rows<double> impulse = {};
-  impulse[row] = 1;
-  joint.add_impulses(impulse.data(), momenta.data());
-}
-
 void reset(const Joint* joints, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     joint.joined = {};
@@ -118,7 +110,7 @@ Moves moves_alone(const Joint* joints, double h, std::size_t row, const Law& law
   const auto part = [](const DirectJoint& of, std::size_t r, const Law& along) {
     return of.mass[r] / (of.mass[r] + along.armature);
   };
-  find_momentum(joint, row, answer);
+  joint.set_momenta(row, answer);
   for_each_body(joint, [&](std::uint32_t body) {
     const DirectBody& of = problem.bodies[body];
     linear_part(answer, body) = of.inverse_mass.cwiseProduct(linear_part(std::as_const(answer), body)).eval();
@@ -140,7 +132,7 @@ double share_of(double own, double all) { return all > 1 ? own / all : 1; }
 void weigh_row(const Joint* joints, double h, std::size_t row, const Law& law, DirectJoint& joint,
                const IslandProblem& problem, BalanceSearch& search) {
   std::vector<double>& answer = search.direction;
-  find_momentum(joint, row, answer);
+  joint.set_momenta(row, answer);
   search.matrix.solve(problem, answer);
   const auto near = [](const DirectJoint&) { return true; };
   const auto all = [](const DirectJoint&, std::size_t, const Law&) { return 1.0; };

@@ -157,6 +157,8 @@ struct DirectJoint {
   Vector3 linear_impulse(const Rows<double>& impulses) const;
   /// Adds impulses along all rows, on the second body, to the momenta of both.
   void add_impulses(const double* impulses, double* momenta) const;
+  /// Sets all momenta to those of an impulse of 1 along a row alone.
+  void set_momenta(std::size_t row, std::vector<double>& momenta) const;
 };
 
 /// The kinds of rows that occur among some joints.
