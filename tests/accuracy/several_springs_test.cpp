@@ -89,7 +89,7 @@ TEST(SeveralSprings, NeverSwingABodyFarther) {
     for (const JointSolver solver : {JointSolver::Auto, JointSolver::Direct, JointSolver::Iterative}) {
       for (const int springs : {2, 4, 8, 16}) {
         for (const double turn : {0.3, 1.0, 2.0, 4.0, 20.0}) {
-          // Where something touches, velocities are half a substep late, and as they start at rest they gain that.
+          // Velocities are half a substep late beside contacts, and as the ball starts at rest it gains that.
           const bool late = kind != Kind::SixDofs && kind != Kind::Tendons && turn <= 1;
           const double most = late ? 1 / std::cos(turn / 2) : 1;
           EXPECT_LT(furthest(positions(kind, solver, springs, turn)), 1.05 * most * start)
