@@ -32,6 +32,21 @@ inline auto with_size(std::uint32_t size, Function&& function) {
   }
 }
 
+// Calls with the size of all nodes as a constant where it is a common one, else with 0.
+template <class Function>
+inline auto with_common_size(int size, Function&& function) {
+  switch (size) {
+    case 3:
+      return function(std::integral_constant<int, 3>{});
+    case 5:
+      return function(std::integral_constant<int, 5>{});
+    case 6:
+      return function(std::integral_constant<int, 6>{});
+    default:
+      return function(std::integral_constant<int, 0>{});
+  }
+}
+
 // Blocks are by columns, without gaps. Loops of constant length are what the compiler unrolls and packs.
 
 // A becomes its unit lower factor under the diagonal and the inverse pivots on it.
@@ -412,30 +427,12 @@ void BlockLdlt::invert_all(double* inverse) const {
 }
 
 bool BlockLdlt::factor() {
-  switch (common_size_) {
-    case 3:
-      return factor_all<3>();
-    case 5:
-      return factor_all<5>();
-    case 6:
-      return factor_all<6>();
-    default:
-      return factor_all<0>();
-  }
+  return with_common_size(common_size_, [&](auto size) { return factor_all<size()>(); });
 }
 
 void BlockLdlt::solve(std::span<double> b) const {
   ATL_ASSERT(b.size() == rows(), b.size(), rows());
-  switch (common_size_) {
-    case 3:
-      return solve_all<3>(b.data());
-    case 5:
-      return solve_all<5>(b.data());
-    case 6:
-      return solve_all<6>(b.data());
-    default:
-      return solve_all<0>(b.data());
-  }
+  with_common_size(common_size_, [&](auto size) { solve_all<size()>(b.data()); });
 }
 
 void BlockLdlt::invert(std::vector<double>& inverse) const {
@@ -444,16 +441,7 @@ void BlockLdlt::invert(std::vector<double>& inverse) const {
     longest = std::max<std::size_t>(longest, columns_[rank].end - (rank == 0 ? 0 : columns_[rank - 1].end));
   }
   inverse.resize(values_.size() + longest * block_values);
-  switch (common_size_) {
-    case 3:
-      return invert_all<3>(inverse.data());
-    case 5:
-      return invert_all<5>(inverse.data());
-    case 6:
-      return invert_all<6>(inverse.data());
-    default:
-      return invert_all<0>(inverse.data());
-  }
+  with_common_size(common_size_, [&](auto size) { invert_all<size()>(inverse.data()); });
 }
 
 }  // namespace atl::solver

@@ -1,10 +1,8 @@
 #include "direct/joined_masses.h"
 
-#include <jobs/assert.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "direct/island_joints.h"
@@ -198,13 +196,19 @@ void weigh_rows(const Joint* joints, double h, IslandProblem& problem, BalanceSe
   }
 }
 
-bool any_matters(const Joint* joints, double h, const IslandProblem& problem) {
+// True if `holds(joint, row, law)` for some row.
+template <typename Holds>
+bool any_row(const Joint* joints, const IslandProblem& problem, const Holds& holds) {
   return std::any_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
     bool any = false;
-    for_each_law(joints, joint, [&](std::size_t r, const Law& law) {
-      any |= decays_notably(law, joint, r, h) || has_stiff_spring(law, joint.at[r], joint.mass[r], h);
-    });
+    for_each_law(joints, joint, [&](std::size_t r, const Law& law) { any = any || holds(joint, r, law); });
     return any;
+  });
+}
+
+bool any_notable_damper(const Joint* joints, double h, const IslandProblem& problem) {
+  return any_row(joints, problem, [h](const DirectJoint& joint, std::size_t r, const Law& law) {
+    return decays_notably(law, joint, r, h);
   });
 }
 
@@ -222,8 +226,9 @@ void weigh(const Joint* joints, double h, IslandProblem& problem, BalanceSearch&
 
 void weigh_joined(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search) {
   reset(joints, problem);
-  if (most_moved(joints, h, problem, search.gradient) > 1 || any_matters(joints, h, problem))
-    weigh(joints, h, problem, search);
+  const bool matters = most_moved(joints, h, problem, search.gradient) > 1 || any_stiff_spring(joints, h, problem) ||
+                       any_notable_damper(joints, h, problem);
+  if (matters) weigh(joints, h, problem, search);
 }
 
 void weigh_crowded(const Joint* joints, double h, IslandProblem& problem, BalanceSearch& search) {
@@ -232,12 +237,8 @@ void weigh_crowded(const Joint* joints, double h, IslandProblem& problem, Balanc
 }
 
 bool any_stiff_spring(const Joint* joints, double h, const IslandProblem& problem) {
-  return std::any_of(problem.joints.begin(), problem.joints.end(), [&](const DirectJoint& joint) {
-    bool any = false;
-    for_each_law(joints, joint, [&](std::size_t r, const Law& law) {
-      any |= joint.share[r] < 1 || has_stiff_spring(law, joint.at[r], joint.mass[r], h);
-    });
-    return any;
+  return any_row(joints, problem, [h](const DirectJoint& joint, std::size_t r, const Law& law) {
+    return joint.share[r] < 1 || has_stiff_spring(law, joint.at[r], joint.mass[r], h);
   });
 }
 

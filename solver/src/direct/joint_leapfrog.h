@@ -1,7 +1,6 @@
 #pragma once
 /// Makes substeps of joints alone a leapfrog of second order, and keeps them from making energy.
 
-#include <solver/direct/balance_search.h>
 #include <solver/direct/island_problem.h>
 #include <solver/direct/moving_bodies.h>
 #include <solver/direct/solve_input.h>
