@@ -57,6 +57,34 @@ TEST(TendonWorld, JoinsIslandsOfWhatItCouples) {
   EXPECT_EQ(of.world.step(dt).counts.islands, 1);
 }
 
+// A joint of no rows of its own is in no list of those that act, and its bodies are in the tendon's system all the
+// same.
+TEST(TendonWorld, PullsOverJointsThatDoNothing) {
+  constexpr double g = 9.81;
+  for (const BodyType of_base : {BodyType::Static, BodyType::Kinematic, BodyType::Dynamic}) {
+    for (const JointSolver solver : {JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct}) {
+      World world({.settings = {.joint_solver = solver}});
+      const BodyId base = world.add_body({.type = of_base, .shape = Box{{0.1, 0.1, 0.1}}, .filter = {.mask = 0}});
+      TendonJoint rope{.length = {.range = {0, 0}}};
+      for (int i = 0; i < 3; ++i) {
+        const BodyId load = world.add_body(
+            {.shape = Sphere{0.1}, .position = {1.0 * i, 0, -2}, .mass = 1.0 + i, .filter = {.mask = 0}});
+        const JointId free = world.add_joint({.kind = DistanceJoint{JointAxis{}},
+                                              .first = base,
+                                              .second = load,
+                                              .frame_first = {.position = {1.0 * i, 0, 0}}});
+        rope.terms.push_back({.joint = free, .polynomial = {-2, 1}});
+      }
+      const JointId id = world.add_joint({.kind = rope});
+      for (int i = 0; i < 30; ++i) world.step(dt);
+      // Each load falls by g less the rope's pull over its mass, and all together not at all.
+      const double pull = of_base == BodyType::Dynamic ? 0 : 3 * g / (1.0 + 1.0 / 2 + 1.0 / 3);
+      EXPECT_NEAR(-world.joint_state(id).force.x(), pull, 1e-3) << static_cast<int>(of_base);
+      EXPECT_NEAR(world.joint_state(id).position[0], 0, 2e-3) << static_cast<int>(solver);
+    }
+  }
+}
+
 TEST(TendonWorld, RefusesTermsThatItCantHave) {
   CoupledCubes of;
   const auto refuse = [&](std::vector<TendonTerm> terms, std::initializer_list<std::string_view> words) {

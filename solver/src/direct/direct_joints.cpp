@@ -14,10 +14,15 @@ namespace atl::solver {
 bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joint> joints, const BodyTable& table) {
   const auto is_dynamic = [&](std::uint32_t body) { return table.mobility[body] == Mobility::Dynamic; };
   std::vector<std::uint32_t>& bodies = members_.bodies;
-  for (const JointLink& link : links) {
-    for (const std::uint32_t body : {link.first, link.second}) {
+  const auto take_in = [&](const auto& ends) {
+    for (const std::uint32_t body : {ends.first, ends.second}) {
       if (is_dynamic(body)) bodies.push_back(body);
     }
+  };
+  for (const JointLink& link : links) {
+    take_in(link);
+    // A joint that has no rows of its own is in no list, and may be a term all the same.
+    for_each_term(joints.data(), link.joint, take_in);
   }
   std::sort(bodies.begin(), bodies.end());
   bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());

@@ -1,6 +1,7 @@
 #include <jobs/assert.h>
 #include <solver/constraints/contact_arm.h>
 #include <solver/constraints/contact_inertia.h>
+#include <solver/constraints/tendon.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/integrate/motion_locks.h>
 #include <solver/sweep/group_bodies.h>
@@ -44,14 +45,16 @@ void load_velocity(const BodyTable& table, std::uint32_t body, std::size_t local
 void GroupBodies::collect(const SolveInput& input, const IslandGroup& group) {
   const std::span<const Mobility> mobility = input.bodies.mobility;
   kinematic_.clear();
-  const auto collect = [&](const auto& pairs) {
-    for (const auto& pair : pairs) {
-      if (mobility[pair.first] == Mobility::Kinematic) kinematic_.push_back(pair.first);
-      if (mobility[pair.second] == Mobility::Kinematic) kinematic_.push_back(pair.second);
-    }
+  const auto collect = [&](const auto& pair) {
+    if (mobility[pair.first] == Mobility::Kinematic) kinematic_.push_back(pair.first);
+    if (mobility[pair.second] == Mobility::Kinematic) kinematic_.push_back(pair.second);
   };
-  collect(input.islands.contacts(group.begin, group.end));
-  collect(input.islands.joints(group.begin, group.end));
+  for (const collision::TouchingPair& pair : input.islands.contacts(group.begin, group.end)) collect(pair);
+  for (const JointLink& link : input.islands.joints(group.begin, group.end)) {
+    collect(link);
+    // A joint that has no rows of its own is in no list, and may be a term all the same.
+    for_each_term(input.joints, link.joint, collect);
+  }
   std::sort(kinematic_.begin(), kinematic_.end());
   kinematic_.erase(std::unique(kinematic_.begin(), kinematic_.end()), kinematic_.end());
   first_dynamic_ = 1 + static_cast<std::uint32_t>(kinematic_.size());
