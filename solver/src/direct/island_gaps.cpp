@@ -110,7 +110,9 @@ bool gain_by_closing(const Joint* joints, std::span<const MovingBody> bodies, do
   IslandProblem& problem = motions.problem;
   for (std::size_t i = 0; i < direction.size(); ++i) after[i] = motions.lasting[i] + scale * direction[i];
   const bool alone = problem.contacts.empty();
-  if (gains_energy(joints, problem, bodies, motions.lasting, after, Rotors::Keep)) return false;
+  const double given = scale * work_of_bases(
+                                   problem, [](const DirectJoint& joint) -> const auto& { return joint.closing; });
+  if (gains_energy(joints, problem, bodies, given, motions.lasting, after, Rotors::Keep)) return false;
   for (DirectJoint& joint : problem.joints) {
     if (!alone || !joints[joint.joint].is_actuated()) continue;
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) joint.kept[r] += scale * joint.rate_by(direction, r);

@@ -242,10 +242,10 @@ void correct_kick(const Joint* joints, double h, int sign, IslandProblem& proble
   }
 }
 
-bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<const MovingBody> bodies,
+bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<const MovingBody> bodies, double given,
                   const std::vector<double>& before, const std::vector<double>& after, Rotors rotors) {
   // J, from differences: most solves take energy, and no more is asked of these.
-  double made = 0;
+  double made = -given;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vector3 gained = linear_part(after, i) - linear_part(before, i);
     const Vector3 gained_spin = angular_part(after, i) - angular_part(before, i);

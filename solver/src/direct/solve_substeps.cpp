@@ -347,9 +347,16 @@ bool Substeps::find_impacts() {
   return true;
 }
 
+// True if a solution makes energy from the free velocities.
+bool Substeps::makes_energy(const std::vector<double>& velocity, Rotors rotors) const {
+  const double given = work_of_bases(
+      problem_, [](const DirectJoint& joint) -> const auto& { return joint.impulse; });
+  return gains_energy(input_.joints, problem_, bodies_, given, problem_.free, velocity, rotors);
+}
+
 // Impulses along rows that ask for no rate of their own only take energy from bodies of the inertia that they have.
 bool Substeps::find_passive_velocities() {
-  if (!gains_energy(input_.joints, problem_, bodies_, problem_.free, motions_.lasting, Rotors::Turn)) return true;
+  if (!makes_energy(motions_.lasting, Rotors::Turn)) return true;
   leave_out_tension(bodies_, problem_);
   forget_bends(input_.joints, problem_);
   return find_row_velocities();
@@ -403,7 +410,7 @@ bool Substeps::solve_held_rows() {
   if (!solve_linear()) return false;
   if (any_bounces(problem_)) return limit_bounces();
   if (!alone_) return true;
-  if (!gains_energy(input_.joints, problem_, bodies_, problem_.free, problem_.velocity, Rotors::Pay)) return true;
+  if (!makes_energy(problem_.velocity, Rotors::Pay)) return true;
   leave_out_tension(bodies_, problem_);
   return solve_linear();
 }

@@ -10,6 +10,7 @@
 
 #include "direct/conservation.h"
 #include "direct/island_joints.h"
+#include "direct/joint_leapfrog.h"
 
 namespace atl::solver {
 
@@ -57,6 +58,7 @@ class Substeps {
   bool solve_rows();
   bool find_row_velocities();
   bool find_passive_velocities();
+  bool makes_energy(const std::vector<double>& velocity, Rotors rotors) const;
   bool go_back();
   void advance();
   bool solve_held_rows();
