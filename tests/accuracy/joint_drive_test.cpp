@@ -270,5 +270,28 @@ TEST(DrivenRotors, TurnAnArmToSecondOrder) {
   EXPECT_GT(std::log2(coarse / fine) / 2, 1.9);
 }
 
+// A servo that is told of a target on the other side pulls there at once, with what it has.
+TEST(DrivenServos, GiveNoMoreThanTheyHaveWhereTheirTargetChangesSides) {
+  constexpr double max = 10, mass = 3;  // N, kg
+  for (const JointSolver solver : {JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct}) {
+    for (const int substeps : {1, 4, 16}) {
+      World world({.gravity = Vector3::Zero(), .settings = {.substeps = substeps, .joint_solver = solver}});
+      const BodyId base = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}, .filter = {.mask = 0}});
+      const BodyId load = world.add_body({.shape = Sphere{0.1}, .mass = mass, .filter = {.mask = 0}});
+      const JointServo servo{.target = -1e4, .stiffness = 5000, .damping = 100};
+      const JointId id =
+          world.add_joint(joint_at(world, SliderJoint{{.motor = JointMotor{.max_force = max, .servo = servo}}}, base,
+                                   load, Vector3::Zero(), Vector3::UnitX()));
+      for (int i = 0; i < 40; ++i) {
+        if (i % 10 == 0) world.set_servo_target(id, i % 20 == 0 ? -1e4 : 1e4);
+        const double before = mass * world.velocity(load).x();
+        world.step(dt);
+        const double force = (mass * world.velocity(load).x() - before) / dt;
+        EXPECT_NEAR(force, i % 20 < 10 ? -max : max, 1e-3 * max) << solver_name(solver) << " x " << substeps;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace atl::test::joint_drive_test

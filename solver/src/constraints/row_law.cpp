@@ -34,6 +34,11 @@ LinearForce force_on(const Law& law, const JointRow& at, double mass, bool servo
   return both;
 }
 
+int servo_bound(const Law& law, const JointRow& at, double rate) {
+  const double asked = LinearForce::of_servo(law, 1, at.share).at(at.value, rate);
+  return asked > law.motor_force ? 1 : asked < -law.motor_force ? -1 : 0;
+}
+
 LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {
   ATL_ASSERT(mass > 0, mass);
   const double omega = 2 * std::numbers::pi * law.spring_hertz;
@@ -196,11 +201,8 @@ RowLaw RowLaw::of_kick(const Law& law, const JointRow& at, const RowMass& mass, 
 
 double kick_correction(const Law& law, const JointRow& at, const RowMass& mass, double h, double rate,
                        double acceleration) {
-  const auto force_of = [&](double of) {
-    const double asked =
-        law.is_servo() && of > 0 ? LinearForce::of_servo(law, of + law.armature, at.share).at(at.value, rate) : 0;
-    return force_on(law, at, of, (of + law.armature) * std::abs(asked) >= law.motor_force);
-  };
+  const bool saturated = law.is_servo() && servo_bound(law, at, rate) != 0;
+  const auto force_of = [&](double of) { return force_on(law, at, of, saturated); };
   const double effective_mass = mass_for(force_of, mass, h);
   const double moved = effective_mass + law.armature;
   if (!(effective_mass > 0)) return 0;

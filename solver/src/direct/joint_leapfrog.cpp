@@ -200,6 +200,16 @@ void hold_locks_alone(const Joint* joints, IslandProblem& problem) {
   forget_factor(problem);
 }
 
+void bound_servos(const Joint* joints, std::vector<DirectJoint>& all) {
+  for (DirectJoint& joint : all) {
+    for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {
+      const Law& law = law_of(joints[joint.joint], r);
+      if (law.is_servo())
+        joint.motor_bound[r] = static_cast<std::int8_t>(servo_bound(law, joint.at[r], joint.rate_before[r]));
+    }
+  }
+}
+
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem) {
   for (DirectJoint& joint : problem.joints) {
     for (std::size_t r = 0; r < joint.rows; ++r) {

@@ -30,6 +30,9 @@ bool is_against_locks(const IslandProblem& problem, const DirectJoint& joint);
 /// The laws of rows where nothing acts but locks, beside the inertia of armatures at the rates that were noted.
 void hold_locks_alone(const Joint* joints, IslandProblem& problem);
 
+/// Finds which servos are at their bounds, at the rates that were noted: targets may have changed since the last step.
+void bound_servos(const Joint* joints, std::vector<DirectJoint>& all);
+
 /// The laws of rows over a kick, from the rates that were noted: see RowLaw::of_kick().
 void begin_kick(const Joint* joints, double h, int sign, IslandProblem& problem);
 /// Adds the further impulses of springs and servos in a kick, after a solution; see kick_correction().

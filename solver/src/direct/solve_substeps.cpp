@@ -213,8 +213,9 @@ void Substeps::give_up_what_locks_forbid() {
 void Substeps::kick(int sign) {
   // The kick that gives and the next that takes, at the same poses, see stiff springs alike.
   const bool weighs = rows_.looks_back && (sign < 0 || any_stiff_spring(input_.joints, h_, problem_));
-  if (weighs) weigh_joined(input_.joints, h_, problem_, motions_.search);
   if (rows_.acts) record_rates(problem_.velocity, problem_.joints);
+  if (sign < 0) bound_servos(input_.joints, problem_.joints);
+  if (weighs) weigh_joined(input_.joints, h_, problem_, motions_.search);
   if (rows_.acts && sign < 0) give_up_what_locks_forbid();
   problem_.free = problem_.velocity;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {

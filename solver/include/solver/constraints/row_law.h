@@ -43,6 +43,9 @@ LinearForce force_on(const Law& law, const JointRow& at, double mass, bool servo
 /// Tells a spring that is too fast for steps of h seconds on a coordinate of such a mass (kg or kg m^2).
 bool has_stiff_spring(const Law& law, const JointRow& at, double mass, double h);
 
+/// -1 where a servo would pull backwards by more than it has, 1 forwards, else 0.
+int servo_bound(const Law& law, const JointRow& at, double rate);
+
 /// A linear law over one step, as a function of the rate u before it and of the free rate u0: see SpringStep. Any other
 /// impulse changes the rate by 1 / (1 + hold) of what it would do without the law.
 struct LinearStep {
