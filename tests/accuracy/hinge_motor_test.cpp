@@ -83,5 +83,23 @@ TEST_P(HingeMotorTest, StallsUnderALoadAboveIt) {
 INSTANTIATE_TEST_SUITE_P(Solvers, HingeMotorTest, testing::Values(JointSolver::Iterative, JointSolver::Direct),
                          [](const auto& solver) { return solver_name(solver.param); });
 
+// Bodies turn by their spin times time, however far that is in a substep: else gears slip from each other.
+TEST(HingeMotor, TurnsAWheelAsFarAsItsSpeedTells) {
+  for (const JointSolver solver : {JointSolver::Auto, JointSolver::Iterative, JointSolver::Direct}) {
+    for (const int substeps : {1, 4}) {
+      for (const double rate : {7.0, 67.0, 100.0}) {
+        World world({.gravity = Vector3::Zero(), .settings = {.substeps = substeps, .joint_solver = solver}});
+        const BodyId post = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}});
+        const BodyId wheel = world.add_body({.shape = Sphere{0.1}, .angular_velocity = {rate, 0, 0}});
+        const JointMotor motor{.speed = rate, .max_force = 1e9};
+        const JointId hinge =
+            world.add_joint({.kind = HingeJoint{{.motor = motor}}, .first = post, .second = wheel, .collide = false});
+        for (int i = 0; i < 300; ++i) world.step(dt);
+        EXPECT_NEAR(world.joint_state(hinge).position[0], 5 * rate, 5e-5 * rate) << solver_name(solver) << substeps;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace atl::test::hinge_motor_test

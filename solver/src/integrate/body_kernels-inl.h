@@ -55,10 +55,20 @@ inline void clear_corrections(SolverBodies& bodies, std::size_t begin, std::size
   }
 }
 
-// q' = w q / 2, one step of Euler's method.
+// The rotation by w h from q on, but for its length. Sine and cosine of half the angle by their series, which leave
+// 6e-4 of the angle where it comes to half a turn, and 1e-7 up to a radian; what turns by more is followed for that.
 HWY_INLINE Q advanced(const Q& q, const V3& w, V half_h) {
+  constexpr float quarter_turn = 2.4674011f;  // its square, of the half angle
   const V3 u = half_h * w;
-  return {q.vector + (q.scalar * u + cross(u, q.vector)), hn::Sub(q.scalar, dot(u, q.vector))};
+  const V x = hn::Min(dot(u, u), splat(quarter_turn));
+  const auto series = [&](float a, float b, float c) {
+    const V rest = hn::Add(splat(b), hn::Mul(x, splat(c)));
+    return hn::Add(splat(1), hn::Mul(x, hn::Add(splat(a), hn::Mul(x, rest))));
+  };
+  const V3 sine = series(-1.0f / 6, 1.0f / 120, -1.0f / 5040) * u;
+  const V cosine = series(-1.0f / 2, 1.0f / 24, -1.0f / 720);
+  return {cosine * q.vector + (q.scalar * sine + cross(sine, q.vector)),
+          hn::Sub(hn::Mul(cosine, q.scalar), dot(sine, q.vector))};
 }
 
 // Torque-free motion of bodies with unequal moments of inertia over a substep: Euler's equations, about the principal
