@@ -207,5 +207,38 @@ TEST(Stiffening, LoadedContactsOverlapByHalf) {
   EXPECT_LT(stiff.mean, 0.8 * soft.mean);
 }
 
+// Stacks that slide go as far as their friction lets them, v^2 / (2 mu g), wherever they are solved at once.
+TEST(DirectContacts, KeepToTheConeOfFriction) {
+  constexpr double gravity = 9.81, speed = 4;  // m/s^2, m/s
+  for (const ContactSolver solver : {ContactSolver::Auto, ContactSolver::Direct}) {
+    for (const int substeps : {1, 4}) {
+      for (const double friction : {0.1, 0.2, 0.3, 0.6}) {
+        World world({.settings = {.substeps = substeps, .contact_solver = solver}});
+        const Material material{.friction = friction};
+        world.add_body({.type = BodyType::Static, .shape = HalfSpace{}, .material = material});
+        BodyId low = {};
+        for (int i = 0; i < 2; ++i) {
+          const BodyId body = world.add_body({.shape = Box{{0.4, 0.4, 0.1}},
+                                              .position = {0, 0, 0.1 + 0.2 * i},
+                                              .velocity = speed * Vector3(std::cos(0.7), std::sin(0.7), 0),
+                                              .material = material});
+          if (i == 0) low = body;
+        }
+        double before = speed;
+        const double slows = friction * gravity * dt;  // m/s a step
+        for (int i = 0; i < 60; ++i) {
+          world.step(dt);
+          const double now = world.velocity(low).head<2>().norm();
+          EXPECT_LT(before - now, 1.1 * slows + 0.02) << "mu " << friction << " x " << substeps << " step " << i;
+          before = now;
+        }
+        const double time = std::min(1.0, speed / (friction * gravity));
+        const double right = speed * time - 0.5 * friction * gravity * time * time;
+        EXPECT_NEAR(world.pose(low).position.head<2>().norm(), right, 0.02 * right) << friction << " x " << substeps;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace atl::test

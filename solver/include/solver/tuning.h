@@ -319,6 +319,12 @@ inline constexpr int max_iterations_if_patient = 100;
 /// Iterations in which friction's bound follows the load. With more it would go to and fro for long: each halves the
 /// difference at best.
 inline constexpr int following = 2;
+/// Rounds in which bounds follow once more the loads of a solution, until no contact's friction is off what its own load
+/// bounds it to by more than such a part. Without, two boxes that slide stop dead by thirty times their friction; with
+/// 0.1, 260 of 1296 stacks that slide are off by 2% or more, with 0.05 or 0.02 75. With 4 rounds a bridge that is
+/// walked on has twice as many islands that must be swept as with 8.
+inline constexpr int friction_rounds = 8;
+inline constexpr double friction_tolerance = 0.02;
 /// Largest impulse of a contact, in multiples of the impulse that would stop all bodies of the island and hold their
 /// weights. One that pushes harder is wedged between others, so that its force is undetermined.
 inline constexpr double max_impulse = 10;

@@ -136,6 +136,15 @@ bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
   }
 }
 
+// Tells a contact that sticks by no more than its own load bounds friction to, or slides by just that.
+bool rubs_as_loaded(const DirectContact& contact) {
+  const double most = contact.friction * contact.answer.load(), bound = contact.law.friction_bound;
+  const double tolerance = tuning::friction_tolerance * most;
+  const double f1 = contact.answer.friction[0], f2 = contact.answer.friction[1] / contact.law.friction_ratio;
+  const double rubs = contact.law.pyramid ? std::max(std::abs(f1), std::abs(f2)) : std::hypot(f1, f2);
+  return rubs <= most + tolerance && (contact.answer.pieces.slides == 0 || bound >= most - tolerance);
+}
+
 bool go_to_end_of_last_pieces(IslandProblem& problem, BalanceSearch& search) {
   balance_on_last_pieces(problem, search.gradient);
   if (!is_factored(problem) && !search.matrix.factor(problem)) return false;
@@ -153,10 +162,17 @@ void balance_on_last_pieces(IslandProblem& problem, std::vector<double>& gradien
   balance(problem, gradient, answer, push_on_last_piece);
 }
 
+// The bounds that a solution was found with may be those of loads that it hasn't: on its way a point that is a few um/s
+// too deep pushes with a thousand times its load. Bounds follow until no contact rubs by more or less than its own load
+// tells.
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
   if (!solve_on_last_pieces(problem, search) || !minimise(problem, search, tuning::following)) return false;
-  for (DirectContact& contact : problem.contacts) contact.bound_friction(contact.answer.load());
-  return minimise(problem, search, 1);
+  for (int round = 0; round < tuning::friction_rounds; ++round) {
+    for (DirectContact& contact : problem.contacts) contact.bound_friction(contact.answer.load());
+    if (!minimise(problem, search, round == 0 ? 1 : 0)) return false;
+    if (std::all_of(problem.contacts.begin(), problem.contacts.end(), rubs_as_loaded)) return true;
+  }
+  return false;
 }
 
 bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {
