@@ -3,6 +3,7 @@
 #include <jobs/assert.h>
 
 #include <algorithm>
+#include <numbers>
 
 namespace atl {
 namespace {
@@ -14,6 +15,14 @@ const std::shared_ptr<const JointDef>& no_definition() {
 }
 
 }  // namespace
+
+double creep_time(const solver::Law& law) {
+  const double stiffness = law.stiffness + (law.drives() ? law.servo_stiffness : 0);
+  const double damping = law.damping + (law.drives() ? law.servo_damping : 0);
+  const double by_force = stiffness > 0 ? damping / stiffness : 0;
+  const double by_hertz = law.spring_hertz > 0 ? law.damping_ratio / (std::numbers::pi * law.spring_hertz) : 0;
+  return std::max(by_force, by_hertz);
+}
 
 void JointTable::resize(std::size_t count_of_all) {
   ATL_ASSERT(count_of_all >= size(), count_of_all, size());
@@ -130,7 +139,7 @@ void JointTable::update_flags(std::uint32_t joint) {
   bool is_driven = false;
   for (std::size_t row = 0; row < j.rows; ++row) {
     may_tell |= j.law[row].limited() && !j.law[row].locked();
-    is_driven |= j.law[row].motor_force > 0 && j.law[row].motor_speed != 0;
+    is_driven |= (j.law[row].drives() && j.law[row].motor_speed != 0) || creep_time(j.law[row]) > 0;
   }
   watched[joint] = acts[joint] && may_tell;
   driven[joint] = acts[joint] && is_driven;

@@ -15,6 +15,10 @@
 
 namespace atl {
 
+/// s: how long the damped spring and servo of a row would take to their balance at the speed of now, where nothing
+/// but their damping slows them. 0 where they have no stiffness or damping.
+double creep_time(const solver::Law& law);
+
 /// All joints of a world, one entry a joint's index: what the solver works on, and what users add to it.
 struct JointTable {
   using Limits = std::array<std::int8_t, solver::max_joint_rows>;
@@ -28,7 +32,7 @@ struct JointTable {
   jobs::CompactArray<std::uint8_t> suspended;  ///< how many of its bodies are in quarantine
   jobs::CompactArray<std::uint8_t> acts;       ///< 1 for those that are there, enabled, not suspended, and have rows
   jobs::CompactArray<std::uint8_t> watched;    ///< 1 for those that may break, or reach the ends of a range
-  jobs::CompactArray<std::uint8_t> driven;     ///< 1 for those with a motor that is to move
+  jobs::CompactArray<std::uint8_t> driven;     ///< 1 for those that may move bodies however slowly: see creep_time()
   jobs::CompactArray<Limits> limit_before;     ///< that events have told of
   jobs::CompactArray<std::uint32_t> free;      ///< indices of removed joints; the last is used first
   std::size_t count = 0;                       ///< alive

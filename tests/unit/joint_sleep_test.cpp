@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "support/bodies.h"
@@ -135,6 +137,53 @@ TEST(JointSleep, AMotorKeepsAwakeWhatItMoves) {
     EXPECT_NEAR(world.joint_state(hinge).position[0], strong ? -0.03 : 0, 2e-3);
     world.set_joint(hinge, HingeJoint{{.motor = JointMotor{.speed = -0.01, .max_force = 2 * load}}});
     EXPECT_FALSE(world.is_asleep(arm));
+  }
+}
+
+// A body of 1 kg on a post, by a joint of this kind along z.
+struct Drawn {
+  World world;
+  BodyId body;
+  JointId joint;
+
+  Drawn(const Settings& settings, const JointKind& kind, double weight)
+      : world({.gravity = {0, 0, -weight}, .settings = settings}) {
+    const BodyId post = world.add_body({.type = BodyType::Static, .shape = Sphere{0.1}, .filter = {.mask = 0}});
+    body = world.add_body({.shape = Sphere{0.5}, .mass = 1.0});
+    joint = world.add_joint(joint_at(world, kind, post, body, Vector3::Zero(), Vector3::UnitZ()));
+  }
+  double position() const { return world.joint_state(joint).position[0]; }
+};
+
+// However slowly a servo or a damped spring gets to its balance, what it moves doesn't rest before it is there: within
+// 0.5 mm, that is 1 mrad of these balls.
+TEST(JointSleep, AServoOrSpringThatCreepsKeepsAwakeWhatItMoves) {
+  constexpr double way = 0.04, time_constant = 1;
+  const JointMotor servo{.max_force = unlimited,
+                         .servo = JointServo{.target = way, .stiffness = 100, .damping = 100 * time_constant}};
+  const JointSpring by_force{.stiffness = g / way, .damping = g / way * time_constant};
+  const double hertz = std::sqrt(g / way) / (2 * std::numbers::pi);
+  const JointSpring by_hertz{.hertz = hertz, .damping_ratio = std::numbers::pi * hertz * time_constant};
+  const std::pair<JointKind, double> drawn[] = {{SliderJoint{{.motor = servo}}, way},
+                                                {HingeJoint{{.motor = servo}}, way},
+                                                {SliderJoint{{.spring = by_force}}, -way},
+                                                {SliderJoint{{.spring = by_hertz}}, -way}};
+  for (const JointSolver solver : {JointSolver::Iterative, JointSolver::Direct}) {
+    for (const int substeps : {1, 4}) {
+      for (const auto& [kind, balance] : drawn) {
+        SCOPED_TRACE(testing::Message() << static_cast<int>(solver) << ", substeps " << substeps << ", kind "
+                                        << kind.index() << " to " << balance);
+        Drawn run({.substeps = substeps, .joint_solver = solver, .sleeping = true}, kind, balance < 0 ? g : 0);
+        for (int step = 1; step <= 120; ++step) {
+          run.world.step(dt);
+          ASSERT_FALSE(run.world.is_asleep(run.body)) << step;
+          ASSERT_NEAR(run.position(), balance * (1 - std::exp(-step * dt / time_constant)), 0.05 * way) << step;
+        }
+        test::run(run.world, 240);
+        EXPECT_TRUE(run.world.is_asleep(run.body));
+        EXPECT_NEAR(run.position(), balance, 2e-3);
+      }
+    }
   }
 }
 
