@@ -53,6 +53,10 @@ class Sensor {
   Vector3 travel(std::uint32_t body) const {
     return world_.bodies.position(body) - Eigen::Map<const Vector3>(&started().start_positions[3 * std::size_t{body}]);
   }
+  // m, of the points of a body by its turning in the step, at most.
+  double turning_path(const collision::Motion& motion, std::uint32_t collider) const {
+    return motion.rotation.norm() * world_.bodies.radius[world_.colliders.body[collider]];
+  }
   const SensorEvents& started() const { return world_.results.sensor_events; }
   void add(std::uint32_t part, std::uint32_t collider, std::vector<Meeting>& found) const {
     found.push_back({world_.colliders.body[collider], world_.colliders.child[part], world_.colliders.child[collider]});
@@ -113,10 +117,17 @@ void Sensor::sweep(std::uint32_t part, std::uint32_t collider, std::vector<Meeti
   const collision::Shape& solid = world_.colliders.shape[part];
   const collision::Shape& other = world_.colliders.shape[collider];
   const double size = other.inner_radius > 0 ? std::min(solid.inner_radius, other.inner_radius) : solid.inner_radius;
+  const double tolerance = 1e-6 * size;
+  const collision::Motion own = motion_of(part), its = motion_of(collider);
   collision::SweepHit hit;
-  if (collision::sweep(solid, motion_of(part), other, motion_of(collider), {.tolerance = 1e-6 * size}, 1, hit)) {
-    add(part, collider, found);
-  }
+  if (!collision::sweep(solid, own, other, its, {.tolerance = tolerance}, 1, hit)) return;
+  // Sweeps hit early, by up to the tolerance. A body that can't get in deeper by the end has not passed yet: it is
+  // within at the end, or the next step tells.
+  const Vector3 way = own.translation - its.translation;
+  const bool one_normal = hit.triangle == collision::SweepHit::no_triangle;
+  const double closing =
+      (one_normal ? way.dot(hit.normal) : way.norm()) + turning_path(own, part) + turning_path(its, collider);
+  if ((1 - hit.t) * closing > tolerance) add(part, collider, found);
 }
 
 void Sensor::find_passing(std::vector<Meeting>& found) const {

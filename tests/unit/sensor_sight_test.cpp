@@ -93,6 +93,25 @@ TEST(SensorSight, SeesABulletPassIfContinuous) {
   }
 }
 
+// However a step ends as they come to touch: a slow body is told of once.
+TEST(SensorSight, TellsOfASlowBodyOnce) {
+  for (const double start : {-2.0, -1.0, -0.25, -0.25 - 1e-9, -0.25 + 1e-9}) {
+    for (const double speed : {0.5, 1.0, 2.0}) {
+      for (const bool turned : {false, true}) {
+        World world = without_gravity();
+        BodyDef gate = sensor_at({0, 0, 0}, Box{{0.2, 1, 1}});
+        gate.continuous = true;
+        const BodyId sensor = world.add_body(gate);
+        const double side = turned ? -1 : 1;
+        const BodyId ball =
+            world.add_body({.shape = Sphere{0.05}, .position = {side * start, 0, 0}, .velocity = {side * speed, 0, 0}});
+        SCOPED_TRACE(testing::Message() << "from " << start << " at " << speed);
+        expect_passed(sensor_events_of(world, static_cast<int>((0.5 - start) / speed / dt)), sensor, ball);
+      }
+    }
+  }
+}
+
 TEST(SensorSight, SeesWhatItPassesItself) {
   World world = without_gravity();
   BodyDef bullet = sensor_at({-1, 0, 0}, Sphere{0.01});
