@@ -506,6 +506,7 @@ void World::set_heights(BodyId id, std::uint32_t column, std::uint32_t row, std:
 void World::set_definition(BodyId id, const BodyDef& def) {
   const std::uint32_t body = impl_->index_to_change(id, "set_definition");
   BodyDef asked = def;
+  asked.awake = true;  // it says how a body is added
   const BodyDef before = definition(id);
   const bool keeps_motion = def.velocity == before.velocity && def.angular_velocity == before.angular_velocity;
   if (keeps_motion && asked.type == BodyType::Static) asked.velocity = asked.angular_velocity = Vector3::Zero();

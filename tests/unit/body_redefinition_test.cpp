@@ -48,6 +48,25 @@ TEST(BodyRedefinition, AStaticBodyThatBecomesDynamicFallsAndOneThatBecomesStatic
   EXPECT_NEAR(world.pose(rider).position.z(), pose.position.z() + 0.75, 2e-3) << "it still carries what lies on it";
 }
 
+TEST(BodyRedefinition, OneThatSleepsMayBecomeAnythingElse) {
+  for (const BodyType type : {BodyType::Static, BodyType::Kinematic, BodyType::Dynamic}) {
+    World world({.settings = {.sleeping = true}});
+    world.add_body(ground());
+    const BodyId body = world.add_body({.shape = Box{}, .position = {0, 0, 0.5}, .awake = false});
+    ASSERT_FALSE(world.definition(body).awake);
+    change_definition(world, body, [](BodyDef& def) { def.user_data = 1; });
+    EXPECT_TRUE(world.is_asleep(body));
+    change_definition(world, body, [&](BodyDef& def) {
+      def.type = type;
+      def.may_sleep = false;
+    });
+    EXPECT_EQ(world.type(body), type);
+    run_short(world, 240);
+    EXPECT_FALSE(world.is_asleep(body));
+    EXPECT_NEAR(world.pose(body).position.z(), 0.5, 2e-3);
+  }
+}
+
 TEST(BodyRedefinition, AKinematicBodyGoesOnAsItMovedAndPushes) {
   World world({.gravity = Vector3::Zero()});
   const BodyId body = world.add_body({.shape = Box{}, .velocity = {2, 0, 0}});
