@@ -72,6 +72,35 @@ TEST(Tunnelling, BulletHitsAMovingCrate) {
   }
 }
 
+// A bullet of several parts that hits at once doesn't end the step beyond a plate that it takes along. They share the
+// momentum, and part at no speed.
+TEST(Tunnelling, ABulletOfPartsTakesAFreePlateAlong) {
+  for (const bool round : {false, true}) {
+    const ConvexShape part = round ? ConvexShape(Sphere{0.05}) : ConvexShape(Box{{0.05, 0.05, 0.05}});
+    Compound parts;
+    for (const double z : {-0.1, 0.1}) parts.children.push_back({.shape = part, .position = {0, 0, z}});
+    for (const double thickness : {0.01, 0.04, 0.1}) {
+      for (const double speed : {100.0, 300.0, 900.0}) {
+        for (int phase = 0; phase < 2; ++phase) {
+          for (const double mass : {0.3, 3.0}) {
+            SCOPED_TRACE(testing::Message()
+                         << thickness << " m, " << mass << " kg, at " << speed << ", phase " << phase);
+            World world({.gravity = Vector3::Zero()});
+            BodyDef plate = box({1.23 + 0.2 * speed * dt * phase, 0, 0}, {thickness / 2, 1, 1});
+            plate.mass = mass;
+            const BodyId target = world.add_body(plate);
+            const BodyId bullet = world.add_body({.shape = parts, .velocity = {speed, 0, 0}, .mass = 1.0});
+            run(world, static_cast<int>(plate.position.x() / speed / dt) + 6);
+            EXPECT_LT(world.pose(bullet).position.x(), world.pose(target).position.x());
+            EXPECT_NEAR(momentum(world, {target, bullet}).x(), speed, 1e-4 * speed);
+            EXPECT_NEAR(world.velocity(bullet).x(), speed / (1 + mass), 0.1 * speed);
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(Tunnelling, FastBodiesThatPassEachOtherMeet) {
   World world({.gravity = Vector3::Zero()});
   BodyDef left = sphere({-5, 0, 0}, 0.05);

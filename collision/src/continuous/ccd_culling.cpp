@@ -53,8 +53,9 @@ class NearBoxes {
       const Vector3 axis = best_box_axis(axes_, lane);
       const Vector3 direction = start_.orientation * axis;
       if (gap > 0 && keeps_apart(gap, direction, approach)) continue;
-      // The core's half extents are that much less.
-      const double core_gap = gap + core_depth_ * axis.lpNorm<1>();
+      // The core's half extents are that much less; the other's core, in its own frame, is at least as much farther.
+      const double core_depth = approach.both_stop ? core_share * approach.size : core_depth_ * axis.lpNorm<1>();
+      const double core_gap = gap + core_depth;
       approach.passes_core = core_gap > 0 && keeps_apart(core_gap, direction, approach);
       kept_.push_back(approach);
     }
@@ -97,6 +98,7 @@ void find_approaching(const CcdStep& step, const FastBody& fast, const Vector3& 
     approach.closing = approach.shift.norm() + fast.turn + (moved ? moved->turn : 0);
     approach.size = std::min(shape.inner_radius, other_shape.inner_radius);
     ATL_ASSERT(approach.size > 0 && approach.size < infinity, collider, other, approach.size);
+    approach.both_stop = moved != nullptr && moved->stops;
     approach.passes_core = false;
     // An approach of up to half the smaller one's size is covered by the speculative margin.
     const bool slow = approach.closing <= approach_share * approach.size;

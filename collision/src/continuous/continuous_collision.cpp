@@ -173,6 +173,13 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
       const double before = first;
       const Core core = core_of(shape);
       const bool overlaps = sweep_core(core);
+      if (approach.both_stop && !only_deep) {
+        // What stops the other one stops this one too: it would else end beyond it.
+        const Core other_core = core_of(colliders.shape[other]);
+        const Motion other_core_motion = step.motion_of(other, other_core.centre, Vector3::Zero());
+        const bool meets = sweep(other_core.shape, other_core_motion, shape, motion, {0, tolerance}, first, hit);
+        if (meets && !hit.started_overlapping && hit.t > 0) stop_at(hit);
+      }
       if (overlaps && step.dynamic[other_body] == 0) sweep_core({Shape::sphere(0), core.centre});
       if (first < before && approach.apart && only_deep) {
         SweepHit surface;

@@ -15,7 +15,8 @@ struct Approach {
   Vector3 shift;        ///< m, of the fast body against the other one
   double closing;       ///< m, how far their surfaces come towards each other at most
   double size;          ///< m, inner radius of the smaller shape
-  bool passes_core;     ///< the shape's core is kept apart from it
+  bool both_stop;       ///< the other one is a fast body that may stop, too
+  bool passes_core;     ///< the shape's core is kept apart from it, and its core from the shape where both stop
 };
 
 /// Selects from `candidates`, the shapes near a fast body, those that a collider of the body may meet if the body's end
