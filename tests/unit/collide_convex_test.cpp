@@ -126,6 +126,27 @@ TEST(CollideConvex, WhatRocksKeepsItsFace) {
   }
 }
 
+// Columns that have come into a wide slab in one step, far from its middle: the line of centres leads sideways, but the
+// slab parts from them soonest upwards.
+TEST(CollideConvex, ASlabPushesOutThroughItsNearestFace) {
+  Solids solids;
+  const Shape slab = Shape::box({0.5, 4, 0.02});
+  std::vector<Vector3> ring;
+  for (int i = 0; i < 6; ++i) {
+    for (const double z : {-0.1, 0.1}) ring.push_back({0.1 * std::cos(i * pi / 3), 0.1 * std::sin(i * pi / 3), z});
+  }
+  for (const Shape& column : {Shape::cylinder(0.1, 0.1), solids.hull(hull_of(ring)),
+                              solids.hull(box_hull(Vector3::Constant(0.1))), Shape::box(Vector3::Constant(0.1))}) {
+    for (const double depth : {0.01, 0.02, 0.027, 0.034, 0.04}) {
+      Manifold manifold;
+      collide(slab, column, {{-0.46, 0, 0.12 - depth}, Quaternion::Identity()}, 0.01, manifold);
+      ASSERT_GT(manifold.count, 2) << static_cast<int>(column.kind) << " " << depth;
+      EXPECT_LT((manifold.normal.cwiseAbs() - Vector3::UnitZ()).norm(), 1e-6);
+      EXPECT_NEAR(manifold.min_separation(), -depth, 1e-6);
+    }
+  }
+}
+
 TEST(CollideConvex, PosesThatAreNotFiniteTouchNothing) {
   Random random(7);
   Solids solids;

@@ -325,11 +325,12 @@ AxisSearch find_axis(const SolidPair& pair, double margin, const KnownAxis& know
     return found;
   }
   axis = descent.from_direction(answer.normal);
-  const bool stands =
-      std::abs(pair.separation_along(answer.normal) - answer.separation) <= depth_agreement * pair.size();
-  if (stands) return settle(Narrowphase::Fcl);
+  const double along_answer = axis.separation;
   search_faces();
-  return settle(Narrowphase::Repaired);
+  const bool stands =
+      std::abs(pair.separation_along(answer.normal) - answer.separation) <= depth_agreement * pair.size() &&
+      axis.separation - along_answer <= depth_agreement * pair.size();
+  return settle(stands ? Narrowphase::Fcl : Narrowphase::Repaired);
 }
 
 }  // namespace atl::collision

@@ -37,8 +37,9 @@ struct KnownAxis {
 ///
 /// A pair that touches is followed from its known axis. A pair without one is FCL's to decide, unless a walk from the
 /// line of centres finds it apart by more than `margin` (m), and how far. Where FCL finds no contact there is none.
-/// Its axis names the features that meet. It is refuted where the solids don't lie along it as deep as FCL says; then
-/// all faces near by are tried (Narrowphase::Repaired).
+/// Its axis names the features that meet. It is refuted where the solids don't lie along it as deep as FCL says, or
+/// where a face near by parts them better: FCL's refinement starts from the line of centres, which in a wide slab leads
+/// to its far sides (Narrowphase::Repaired).
 struct AxisSearch {
   Narrowphase by = Narrowphase::ClosedForm;
   bool touches = false;

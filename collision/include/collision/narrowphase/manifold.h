@@ -19,7 +19,7 @@ enum class Narrowphase {
   ClosedForm,  ///< a formula, or the pair was found apart
   Kept,        ///< the axis of the pair's last manifold, or one beside it
   Fcl,         ///< FCL's answer, of a pair that begins to touch
-  Repaired,    ///< ours instead of FCL's answer, which the separation along its axis refutes
+  Repaired,    ///< ours instead of FCL's answer, which the separation along its axis or a face refutes
 };
 constexpr bool asks_fcl(Narrowphase by) { return by == Narrowphase::Fcl || by == Narrowphase::Repaired; }
 
