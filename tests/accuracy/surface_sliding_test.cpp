@@ -130,6 +130,86 @@ TEST(SurfaceSliding, NothingHopsOnAFlatMesh) {
   }
 }
 
+Settings settings_of(int substeps, ContactSolver solver) {
+  Settings settings;
+  settings.substeps = substeps;
+  settings.contact_solver = solver;
+  return settings;
+}
+
+// A ball that rolls from level ground onto a slope keeps its turning about the line of the new contact, and nothing
+// else: (5 cos a + 2) / 7 of its speed. That is how high it climbs. Solved directly it climbs 6% less, as between two
+// half-spaces.
+TEST(SurfaceSliding, ABallLosesAtACornerAsTheLawSays) {
+  const double slope = 0.8, speed = 4, radius = 0.2, cell = 10;
+  const double kept = speed * (5 * std::cos(slope) + 2) / 7, height = 0.7 * kept * kept / g;
+  const double top = cell * std::tan(slope);
+  const std::vector<Vector3> corners = {{-10, -5, 0}, {-10, 5, 0},     {0, -5, 0},
+                                        {0, 5, 0},    {cell, -5, top}, {cell, 5, top}};
+  const std::vector<TriangleMesh::Indices> halves = {{0, 2, 1}, {2, 3, 1}, {2, 4, 3}, {4, 5, 3}};
+  const Shape mesh = TriangleMesh(corners, halves);
+  const Shape field = HeightField(3, 2, cell, cell, std::vector<double>{0, 0, top, 0, 0, top});
+  const Material rough{.friction = 1};
+  struct Case {
+    int substeps;
+    ContactSolver solver;
+    double tolerance;
+  };
+  for (const Case& at : {Case{4, ContactSolver::Auto, 0.015}, Case{16, ContactSolver::Auto, 0.002},
+                         Case{16, ContactSolver::Direct, 0.07}}) {
+    for (const bool is_mesh : {true, false}) {
+      for (const double start : {-0.7, -0.72, -0.74, -0.75}) {
+        World world({.settings = settings_of(at.substeps, at.solver)});
+        const Vector3 corner = is_mesh ? Vector3::Zero() : Vector3(-cell, -0.5 * cell, 0);
+        world.add_body(
+            {.type = BodyType::Static, .shape = is_mesh ? mesh : field, .position = corner, .material = rough});
+        const BodyId ball = world.add_body({.shape = Sphere{radius},
+                                            .position = {start, 0.1, radius},
+                                            .velocity = {speed, 0, 0},
+                                            .angular_velocity = {0, speed / radius, 0},
+                                            .material = rough});
+        double max = 0;
+        for (int i = 0; i < 60; ++i) {
+          world.step(dt);
+          max = std::max(max, world.pose(ball).position.z() - radius);
+        }
+        EXPECT_NEAR(max / height, 1, at.tolerance) << at.substeps << " " << is_mesh << " " << start;
+      }
+    }
+  }
+}
+
+// Without friction or bounce, facets that rise against a ball take energy from it, and none gives any.
+TEST(SurfaceSliding, FacetsGiveABallNoEnergy) {
+  const double cell = 0.015, radius = 0.1, from = 0.1, speed = 0.3;
+  const auto valley = [](double x, double) { return 1 - std::sqrt(1 - x * x); };
+  const Shape mesh = grid(54, 27 * cell, valley);
+  for (const int substeps : {4, 16}) {
+    for (const ContactSolver solver : {ContactSolver::Auto, ContactSolver::Direct}) {
+      World world({.settings = settings_of(substeps, solver)});
+      const Material smooth{.friction = 0};
+      world.add_body({.type = BodyType::Static, .shape = mesh, .material = smooth});
+      const BodyId ball =
+          world.add_body({.shape = Sphere{radius},
+                          .position = {(1 - radius) * std::sin(from), 0.003, 1 - (1 - radius) * std::cos(from)},
+                          .velocity = {-speed * std::cos(from), 0, -speed * std::sin(from)},
+                          .material = smooth});
+      const auto energy = [&] {
+        return g * (world.pose(ball).position.z() - radius) + 0.5 * world.velocity(ball).squaredNorm();
+      };
+      const double start = energy();
+      double max = 0;
+      for (int i = 0; i < 600; ++i) {
+        world.step(dt);
+        max = std::max(max, energy());
+      }
+      EXPECT_LT(max, 1.005 * start) << substeps;
+      EXPECT_LT(energy(), 0.95 * start) << substeps;
+      if (solver == ContactSolver::Auto) EXPECT_GT(energy(), 0.7 * start) << substeps;
+    }
+  }
+}
+
 ConvexHull pebble() {
   std::vector<Vector3> points;
   for (int i = 0; i < 12; ++i) {

@@ -420,36 +420,60 @@ TEST(SmoothSurface, ABallTouchesTheSphereThatTheTrianglesStandFor) {
   }
 }
 
-// A plain floor that bends by an angle at x = 0, up or down: a ball that gets from one side to the other in the step is
-// taken from the place where it is to the one where it touches the other facet, if that rises against it.
-TEST(PlainSurface, RisesUnderABallThatComesToTheNextFacet) {
+// Two plain facets that meet at x = 0, the second bent up by an angle.
+TriangleMesh bent_floor(double bend) {
+  const double far = 5 * std::cos(bend), up = 5 * std::sin(bend);
+  const std::vector<Vector3> vertices = {{-5, -5, 0}, {0, -5, 0}, {0, 5, 0}, {-5, 5, 0}, {far, -5, up}, {far, 5, up}};
+  const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
+  return std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles, 0));
+}
+
+// A ball that comes to a rising facet in the step has the plane of that one as well, before it is over it.
+TEST(PlainSurface, ABallMeetsTheFacetsThatItComesToInTheStep) {
   const double radius = 0.1, before = 0.1, way = 0.3;
-  for (const double bend : {0.1, -0.1}) {
-    const double far = 5 * std::cos(bend), up = 5 * std::sin(bend);
-    const std::vector<Vector3> vertices = {{-5, -5, 0}, {0, -5, 0}, {0, 5, 0}, {-5, 5, 0}, {far, -5, up}, {far, 5, up}};
-    const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
-    const auto mesh = std::get<TriangleMesh>(build_triangle_mesh(vertices, triangles, 0));
-    const Shape floor = Shape::triangle_mesh(mesh);
+  for (const double bend : {0.01, 0.1, 0.8, -0.1}) {
+    const TriangleMesh mesh = bent_floor(bend);
     const auto touch_in_step = [&](double shift) {
       SurfaceManifolds found;
-      collide_surface(Shape::sphere(radius), floor, {{-before, 0.3, radius}, Quaternion::Identity()}, 0.02, found,
-                      {shift, 0, 0});
+      collide_surface(Shape::sphere(radius), Shape::triangle_mesh(mesh),
+                      {{-before, 0.3, radius}, Quaternion::Identity()}, 0.02, found, {shift, 0, 0});
       return found;
     };
-    for (const double shift : {0.0, 0.5 * before, -way, bend > 0 ? 0.0 : way}) {
+    const double meets = before - radius * std::tan(0.5 * bend);  // m from where it starts
+    for (const double shift : {0.0, 0.99 * meets, -way, bend > 0 ? 0.0 : way}) {
       const SurfaceManifolds found = touch_in_step(shift);
       ASSERT_EQ(found.count, 1) << bend << ", " << shift;
-      EXPECT_EQ(found.manifolds[0].rise, 0);
       EXPECT_LT((found.manifolds[0].normal - Vector3::UnitZ()).norm(), 1e-12);
     }
     if (bend < 0) continue;
     const SurfaceManifolds found = touch_in_step(way);
-    // By which the ball would be in the other facet's plane.
-    const double rise = radius * (1 - std::cos(bend)) + (way - before) * std::sin(bend);
-    ASSERT_EQ(found.count, 1);
-    EXPECT_NEAR(found.manifolds[0].rise, rise, 1e-12);
-    EXPECT_LT((found.manifolds[0].normal - Vector3(-rise / way, 0, 1).normalized()).norm(), 1e-12);
+    ASSERT_EQ(found.count, 2) << bend;
     EXPECT_NEAR(found.manifolds[0].min_separation(), 0, 1e-12);
+    EXPECT_LT((found.manifolds[1].normal - Vector3(-std::sin(bend), 0, std::cos(bend))).norm(), 1e-12);
+    EXPECT_NEAR(found.manifolds[1].min_separation(), meets * std::sin(bend), 1e-12);
+    EXPECT_EQ(found.manifolds[1].rise, 0);
+  }
+}
+
+// Facets that differ by less than a degree are as one to a solid with a face, but not to a ball: each pushes along its
+// own normal while the ball is over it.
+TEST(PlainSurface, ABallHasTheNormalOfEachFacetThatItIsOver) {
+  const double bend = 0.015, radius = 0.1;
+  const TriangleMesh mesh = bent_floor(bend);
+  const Vector3 up = Vector3::UnitZ(), beyond(-std::sin(bend), 0, std::cos(bend));
+  for (int i = -20; i <= 20; ++i) {
+    const Vector3 centre(1e-4 * i, 0.3, radius);
+    const SurfaceManifolds found =
+        touch(Shape::sphere(radius), Shape::triangle_mesh(mesh), {centre, Quaternion::Identity()}, 0.02);
+    const double along_beyond = centre.x() * std::cos(bend) + radius * std::sin(bend);  // m, of the foot from the edge
+    if (std::min(std::abs(centre.x()), std::abs(along_beyond)) < 1.5e-4) continue;      // as good as over the edge
+    ASSERT_EQ(found.count, (centre.x() < 0 ? 1 : 0) + (along_beyond > 0 ? 1 : 0)) << centre.x();
+    for (int k = 0; k < found.count; ++k) {
+      const Manifold& manifold = found.manifolds[static_cast<std::size_t>(k)];
+      const Vector3& normal = manifold.normal.x() < -0.5 * bend ? beyond : up;
+      EXPECT_LT((manifold.normal - normal).norm(), 1e-12);
+      EXPECT_NEAR(manifold.min_separation(), normal.dot(centre) - radius, 1e-12);
+    }
   }
 }
 

@@ -79,15 +79,6 @@ void reduce(const Outline& outline, const Triangle& triangle, const std::array<d
   }
 }
 
-bool lies_over(const Triangle& triangle, const Vector3& point, double slack) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vector3& tail = triangle.vertices[i];
-    const Vector3 outward = (triangle.vertices[(i + 1) % 3] - tail).cross(triangle.normal);
-    if (outward.dot(point - tail) > slack * outward.norm()) return false;
-  }
-  return true;
-}
-
 void touch_face(const SurfaceSolid& solid, const Triangle& triangle, std::uint32_t number, double margin,
                 TriangleContact& contact) {
   const Vector3 down = solid.turned(Vector3(-triangle.normal));
@@ -275,6 +266,15 @@ double deepest(const TriangleContact& contact) {
 }
 
 }  // namespace
+
+bool lies_over(const Triangle& triangle, const Vector3& point, double slack) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector3& tail = triangle.vertices[i];
+    const Vector3 outward = (triangle.vertices[(i + 1) % 3] - tail).cross(triangle.normal);
+    if (outward.dot(point - tail) > slack * outward.norm()) return false;
+  }
+  return true;
+}
 
 // Most triangles near a solid are farther away than the margin: by the ball around it, by the triangle's plane or one
 // through a side. To find the axis costs twenty times as much.

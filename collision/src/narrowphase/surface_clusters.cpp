@@ -24,7 +24,10 @@ constexpr std::uint32_t any_triangle = (1u << 28) - 1;
 
 }  // namespace
 
-SurfaceClusters::SurfaceClusters(const SurfaceSolid& solid) : solid_(solid), size_(solid.shape.inner_radius) {}
+SurfaceClusters::SurfaceClusters(const SurfaceSolid& solid)
+    : solid_(solid),
+      size_(solid.shape.inner_radius),
+      same_normal_(solid.shape.kind == ShapeKind::Sphere ? same_facet_cosine : same_normal) {}
 
 void SurfaceClusters::Cluster::add(const Manifold::Point& point, double radius) {
   for (int i = 0; i < count; ++i) {
@@ -64,7 +67,7 @@ void SurfaceClusters::Cluster::update_deepest() {
 
 SurfaceClusters::Cluster* SurfaceClusters::cluster_for(const TriangleContact& contact, double separation) {
   Cluster* cluster = nullptr;
-  double best = same_normal;
+  double best = same_normal_;
   for (int i = 0; i < count_; ++i) {
     const double cosine = at(i).normal.dot(contact.normal);
     if (cosine <= best || at(i).material != contact.material) continue;
@@ -99,7 +102,9 @@ void SurfaceClusters::add(const TriangleContact& contact) {
   for (int i = 0; i < contact.count; ++i) {
     Manifold::Point point = contact.points[static_cast<std::size_t>(i)];
     // A point on the solid's own feature keeps its id from one triangle to the next.
-    if ((contact.own >> i & 1) != 0) point.id = with_triangle(point.id, any_triangle);
+    if ((contact.own >> i & 1) != 0) {
+      point.id = solid_.shape.kind == ShapeKind::Sphere ? single_point_id() : with_triangle(point.id, any_triangle);
+    }
     if ((contact.inner >> i & 1) != 0) {
       cluster->add_inner(point);
     } else {

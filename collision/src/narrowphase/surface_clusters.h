@@ -6,6 +6,10 @@
 
 namespace atl::collision {
 
+/// Cosine of the angle within which a ball's normals are one: it touches each facet at a point, so that the normal of
+/// another, even a degree off, leads it into the facet or off it.
+inline constexpr double same_facet_cosine = 1 - 1e-9;
+
 /// The contacts of a solid's triangles, gathered by normal while they are found one after another.
 class SurfaceClusters {
  public:
@@ -43,7 +47,8 @@ class SurfaceClusters {
   Cluster& at(int i) { return clusters_[static_cast<std::size_t>(i)]; }
 
   const SurfaceSolid& solid_;
-  double size_;  // m
+  double size_;         // m
+  double same_normal_;  // cosine
   int count_ = 0;
   std::array<Cluster, max_clusters> clusters_;
 };

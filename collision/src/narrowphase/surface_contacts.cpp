@@ -75,11 +75,11 @@ bool can_push_at_vertex(const Shape& surface, const Vector3& vertex, const Vecto
 
 // Triangles that look other ways than the smooth surface where a ball touches it are none of it.
 constexpr double same_sheet = 0.96592582628906831;  // cosine of 15 degrees
-// A surface that bends by more within a step is one that the ball hits: a quarter of a radian, and its cosine.
+// A smooth surface that bends by more within a step is one that the ball hits: a quarter of a radian, and its cosine.
 constexpr double max_bend = 0.25;
 constexpr double min_bend_cosine = 0.96891242171064473;
-// rad: of less than that no facet rises against a ball.
-constexpr double min_bend = 1e-4;
+// Part of a ball's radius by which it has to come into a facet in a step to meet it: more than rounding.
+constexpr double min_depth = 1e-9;
 
 // The triangle on whose front a point is nearest.
 struct Nearest {
@@ -124,6 +124,14 @@ class NearBall {
       visit_near_ball(surface_, Aabb::around(point - around, point + around), point, reach, look_at);
     }
     return nearest;
+  }
+
+  /// Calls visit(number) for the triangles that a ball may touch on a way within the step.
+  template <typename Visit>
+  void visit_along(const Vector3& from, const Vector3& way, double radius, const Visit& visit) const {
+    if (is_whole_) return void(std::for_each(numbers_.begin(), numbers_.begin() + count_, visit));
+    const Vector3 to = from + way, around = Vector3::Constant(radius);
+    visit_near(surface_, Aabb::around(from.cwiseMin(to) - around, from.cwiseMax(to) + around), visit);
   }
 
  private:
@@ -210,24 +218,63 @@ void follow_smooth_surface(const Shape& ball, const Shape& surface, const Vector
   manifold.add(centre - ball.radius * manifold.normal, start.distance - ball.radius, single_point_id());
 }
 
-// Gives a ball one manifold for the facets that rise against it within the step. It takes the ball from the facet that
-// it is on to where it touches the next one, as a surface does that bends evenly. A facet that is met only once the
-// ball is in it would lift the ball by pushing it out, and that is energy from nowhere.
-void follow_facets(const Shape& ball, const Shape& surface, const Vector3& centre, double margin, const Vector3& shift,
-                   const Nearest& start, const NearBall& near, SurfaceManifolds& result) {
-  const double reach = ball.radius + margin;
-  if (!(start.distance <= reach) || !(start.distance > 0)) return;
-  const Vector3 normal = (centre - start.foot) / start.distance;
-  const Vector3 along = shift - shift.dot(normal) * normal;
-  const double length = along.norm();
-  const Nearest end = near.nearest_to(centre + along, reach + max_bend * length);
-  const double rise = start.distance - end.distance;  // minus infinity where there is none
-  if (!(rise > min_bend * length) || rise > max_bend * length) return;
-  Manifold* const manifold = replace_sheet(normal, material_of(surface, start.number), result);
-  if (manifold == nullptr) return;
-  manifold->normal = (normal - rise / (length * length) * along).normalized();
-  manifold->rise = rise;
-  manifold->add(centre - ball.radius * manifold->normal, start.distance - ball.radius, single_point_id());
+// The facet that a ball comes to first on a way.
+struct Met {
+  double part = INFINITY;  // of the way
+  std::uint32_t number = 0;
+  Vector3 normal;
+  double offset = 0;  // m, of the plane along its normal
+
+  void look_at(std::uint32_t other, const Triangle& face, double radius, const Vector3& from, const Vector3& way) {
+    const double toward = -face.normal.dot(way);
+    const double height = face.normal.dot(from - face.vertices[0]);
+    if (!(toward > 0) || height < 0 || !(height - toward < (1 - min_depth) * radius)) return;
+    const double after = std::max(0.0, (height - radius) / toward);
+    if (!(after < part) || !lies_over(face, from + after * way, min_depth * radius)) return;
+    part = after;
+    number = other;
+    normal = face.normal;
+    offset = face.normal.dot(face.vertices[0]);
+  }
+};
+
+// The rest of a way once a facet takes away what leads into it, between it and the facet before.
+Vector3 along_facets(const Vector3& way, const Vector3& normal, const Vector3& last) {
+  const Vector3 along = way - way.dot(normal) * normal;
+  if (along.dot(last) >= 0) return along;
+  const Vector3 crease = normal.cross(last);
+  const double square = crease.squaredNorm();
+  return square > 0 ? Vector3(way.dot(crease) / square * crease) : Vector3(Vector3::Zero());
+}
+
+// Gives a ball on facets a manifold for each facet that it comes to within the step. It is over them only later, and
+// would be in them by then: what lifts it out is energy from nowhere.
+void meet_facets(const Shape& ball, const Shape& surface, const Vector3& centre, double margin, const Vector3& shift,
+                 const Nearest& nearest, const NearBall& near, SurfaceManifolds& result) {
+  if (!(nearest.distance <= ball.radius + margin) || !(nearest.distance > 0)) return;
+  const double radius = std::min(ball.radius, nearest.distance);  // sunk in, it comes to the next one as deep
+  Vector3 place = centre, way = shift, last = (centre - nearest.foot) / nearest.distance;
+  for (int round = 0; round < max_surface_manifolds && result.count < max_surface_manifolds; ++round) {
+    Met met;
+    near.visit_along(place, way, radius,
+                     [&](std::uint32_t number) { met.look_at(number, face_of(surface, number), radius, place, way); });
+    if (!(met.part <= 1)) return;
+    place += met.part * way;
+    way = along_facets((1 - met.part) * way, met.normal, last);
+    last = met.normal;
+    const double height = met.normal.dot(centre) - met.offset;
+    const auto end = result.manifolds.begin() + result.count;
+    const bool is_known = std::any_of(result.manifolds.begin(), end, [&](const Manifold& manifold) {
+      return manifold.normal.dot(met.normal) > same_facet_cosine;
+    });
+    if (is_known || height < radius) continue;
+    Manifold& manifold = result.manifolds[static_cast<std::size_t>(result.count++)];
+    manifold = {};
+    manifold.reference_is_second = true;
+    manifold.material = material_of(surface, met.number);
+    manifold.normal = met.normal;
+    manifold.add(centre - ball.radius * met.normal, height - ball.radius, single_point_id());
+  }
 }
 
 // A lower bound of a solid's distance from triangles, by its box and ball, up to a limit.
@@ -321,7 +368,7 @@ void collide_surface(const Shape& solid, const Shape& surface, const Pose& solid
       });
   clusters.finish(result);
   if (is_ball) {
-    const auto follow = is_smooth(surface) ? follow_smooth_surface : follow_facets;
+    const auto follow = is_smooth(surface) ? follow_smooth_surface : meet_facets;
     follow(solid, surface, placed.position, margin, shift, nearest, near, result);
   }
   if (result.count > 0 || !(max_gap > 0)) return;

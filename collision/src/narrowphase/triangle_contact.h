@@ -35,6 +35,9 @@ struct TriangleContact {
   }
 };
 
+/// True if a point lies over a triangle, or up to `slack` (m) beside.
+bool lies_over(const Triangle& triangle, const Vector3& point, double slack);
+
 /// True if a solid may touch a triangle whose vertices and normal are known. If so, `height` (m) is the solid's
 /// distance from the triangle's plane.
 bool comes_near(const SurfaceSolid& solid, const Triangle& face, double margin, double& height);

@@ -19,15 +19,15 @@ struct SurfaceManifolds {
 };
 
 /// Contact points of a convex solid with a triangle mesh or height field. `solid_pose` is in the frame of the
-/// surface, which is the reference of all manifolds. Triangles of a material that look the same way (within a degree)
-/// make one manifold, as if they were one face; where there are more ways than manifolds, similar ones (within 15
-/// degrees) are put together, and then the shallowest are left out. Of faces that bend away from each other, only those
-/// push that the solid leaves soonest. Nothing is allocated. A pose that isn't finite has none.
+/// surface, which is the reference of all manifolds. Triangles of a material that look the same way (within a degree;
+/// exactly, to a ball) make one manifold, as if they were one face; where there are more ways than manifolds, similar
+/// ones (within 15 degrees) are put together, and then the shallowest are left out. Of faces that bend away from each
+/// other, only those push that the solid leaves soonest. Nothing is allocated. A pose that isn't finite has none.
 ///
 /// A ball on a surface that stands for a smooth one has the normals of that. It is going to shift by `shift` (m, in the
 /// surface's frame) in the step, and what it slides on bends: its normal is that half way, and `rise` is the part of
 /// the way that the surface gains along it from there to the end of the step, and has lost by then since its start.
-/// Plain triangles that rise against a ball by up to a quarter of its way count as such a surface, too.
+/// On plain triangles a ball has a manifold for each facet that it is over, or comes to within the step.
 ///
 /// With a `max_gap` (m) the gap of two that don't touch is found as well, up to so much: by the ball and the box
 /// around the solid.
