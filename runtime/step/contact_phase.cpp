@@ -181,8 +181,7 @@ void ContactPhase::leave_out_inner_edges(Stores& world, const collision::Narrowp
   const Contents& contents = world.contents;
   const bool has_fixed = contents.fixed_with_edges > 0 && contents.fixed_colliders > 1;
   if (!has_fixed && contents.moving_compounds == 0) return;
-  const std::span<const std::uint32_t> found =
-      inner_edges_.find(world.cache, contact_input(world, kernels), update_.touching);
+  const std::span<const std::uint32_t> found = inner_edges_.find(world.cache, contact_input(world, kernels), update_);
   inner_.assign(found.begin(), found.end());
   for (const std::uint32_t slot : inner_) {
     collision::forget_impulses(world.cache.manifolds[slot]);

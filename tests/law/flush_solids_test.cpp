@@ -234,6 +234,48 @@ TEST(FlushSolids, StopAnEdgeAtTheFootOfAWall) {
 }
 
 // A plank that leans in the corner between floor and wall, and one that stands there, touch both.
+// A ramp that stands on a floor: what rolls or slides onto it meets its face, as where two half-spaces cross, and not
+// the edge at its foot.
+TEST(FlushSolids, LeadOntoARampThatStandsOnThem) {
+  const double slope = 0.2, radius = 0.1, speed = 5;
+  const Vector3 normal(-std::sin(slope), 0, std::cos(slope));
+  std::vector<Vector3> corners;
+  for (const double y : {-3.0, 3.0}) {
+    for (const Vector3& corner : {Vector3(0, y, 0), Vector3(10, y, 0), Vector3(10, y, 10 * std::tan(slope))}) {
+      corners.push_back(corner);
+    }
+  }
+  const auto energy_after = [&](const Shape& shape, const Shape& ramp, double start, int substeps,
+                                ContactSolver solver) {
+    Settings settings;
+    settings.substeps = substeps;
+    settings.contact_solver = solver;
+    World world({.settings = settings});
+    const bool rolls = std::holds_alternative<Sphere>(shape);
+    const Material material{.friction = rolls ? 1.0 : 0.0};
+    world.add_body({.type = BodyType::Static, .shape = HalfSpace{}, .material = material});
+    world.add_body({.type = BodyType::Static, .shape = ramp, .material = material});
+    const BodyId body = world.add_body({.shape = shape,
+                                        .position = {start, 0.05, radius},
+                                        .velocity = {speed, 0, 0},
+                                        .angular_velocity = {0, rolls ? speed / radius : 0, 0},
+                                        .material = material});
+    run(world, 30);
+    const Vector3 v = world.velocity(body);
+    return v.squaredNorm() / (speed * speed) + 2 * g * (world.pose(body).position.z() - radius) / (speed * speed);
+  };
+  for (const Shape& shape : {Shape(Sphere{radius}), Shape(Box{Vector3::Constant(radius)})}) {
+    for (const auto& [substeps, solver] :
+         {std::pair(4, ContactSolver::Auto), std::pair(16, ContactSolver::Auto), std::pair(4, ContactSolver::Direct)}) {
+      for (const double start : {-0.7, -0.721, -0.742, -0.763}) {
+        const double right = energy_after(shape, HalfSpace{normal, 0}, start, substeps, solver);
+        const double found = energy_after(shape, ConvexHull{corners}, start, substeps, solver);
+        EXPECT_NEAR(found, right, 0.02) << shape.index() << " " << substeps << " " << start;
+      }
+    }
+  }
+}
+
 TEST(FlushSolids, HoldWhatIsInTheirCorner) {
   for (const double tilt : {0.0, 0.02, 0.3}) {
     World world;

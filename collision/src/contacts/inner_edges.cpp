@@ -1,4 +1,6 @@
 #include <collision/contacts/inner_edges.h>
+#include <collision/contacts/match_points.h>
+#include <collision/narrowphase/collide.h>
 #include <collision/narrowphase/distance.h>
 #include <collision/shapes/hull.h>
 #include <jobs/assert.h>
@@ -8,6 +10,8 @@
 #include <limits>
 #include <optional>
 #include <utility>
+
+#include "contacts/manifold_refresher.h"
 
 namespace atl::collision {
 namespace {
@@ -92,6 +96,38 @@ void each_point(const Contact& contact, const ContactManifold& manifold, const P
   }
 }
 
+// Calls visit(normal, offset) for the faces of a solid that has only flat ones.
+template <typename Visit>
+void each_face(const Shape& shape, const Visit& visit) {
+  if (shape.kind == ShapeKind::Box) {
+    for (int k = 0; k < 3; ++k) {
+      for (const double side : {-1.0, 1.0}) visit(Vector3(side * Vector3::Unit(k)), shape.half_extents[k]);
+    }
+  } else if (shape.kind == ShapeKind::Hull) {
+    for (const Hull::Plane& plane : shape.hull->planes) visit(plane.normal, plane.offset);
+  }
+}
+
+// Puts the contact of a solid with a face's plane in place of one with the ground. `normal` and `offset` are the
+// face's, in its frame. Returns by how many points it has more.
+int turn_contact(ContactCache& cache, const ContactUpdateInput& input, std::uint32_t slot, std::uint32_t own,
+                 std::uint32_t ground, const Vector3& normal, double offset) {
+  Contact& contact = cache.contacts[slot];
+  const ColliderTable& colliders = input.colliders;
+  const Pose solid = colliders.pose(own, input.poses), plane = colliders.pose(ground, input.poses);
+  Manifold manifold;
+  collide_half_space(colliders.shape[own], Shape::half_space(normal, offset), relative(solid, plane),
+                     static_cast<double>(contact.margin), manifold);
+  if (manifold.count == 0) return 0;
+  const int before = contact.count;
+  manifold.reference_is_second = contact.pair.second == ground;
+  ContactManifold& stored = cache.manifolds[slot];
+  match_points(OldPoints::of(contact, stored), manifold, static_cast<double>(contact.size), stored);
+  store_features(contact, manifold, relative(plane, solid), static_cast<double>(contact.margin), contact.tolerance);
+  ManifoldRefresher(cache, input).refresh_all({&slot, 1});
+  return manifold.count - before;
+}
+
 }  // namespace
 
 void InnerEdges::list(const ContactCache& cache, const ContactUpdateInput& input,
@@ -129,6 +165,7 @@ void InnerEdges::measure(const Contact& contact, const ContactManifold& manifold
   found.normal = (ground_is_first ? 1.0 : -1.0) * vector_of(manifold.normal);
   const std::optional<Vector3> face = face_along(shape, turn.conjugate() * found.normal);
   found.plane = face ? Vector3(turn * *face) : found.normal;
+  found.on_face = face.has_value();
   const Vector3 against = colliders.pose(found.own, poses).orientation.conjugate() * -found.normal;
   const std::optional<Vector3> own = face_along(colliders.shape[found.own], against);
   found.min_lean = own && (*own - against).norm() < min_lean ? min_lean_of_face : min_lean;
@@ -167,27 +204,83 @@ bool InnerEdges::ends_at(const ContactCache& cache, const ContactUpdateInput& in
   return ends;
 }
 
-void InnerEdges::find_of_mover(const ContactCache& cache, const ContactUpdateInput& input,
-                               std::span<const OnGround> contacts) {
+// The face of a solid that rises from the plane of another contact of the same bodies, if an edge of it is what a
+// contact is with, and lies in that plane, where the other shape leads up to it.
+std::optional<InnerEdges::Plane> InnerEdges::face_above(const ContactCache& cache, const ContactUpdateInput& input,
+                                                        const OnGround& contact, const OnGround& other) {
+  const ColliderTable& colliders = input.colliders;
+  if (contact.on_face || contact.own != other.own) return {};
+  const Vector3 back = contact.normal - contact.normal.dot(other.plane) * other.plane;
+  if (!(back.norm() > contact.min_lean)) return {};
+  const Contact& of = cache.contacts[contact.slot];
+  const ContactManifold& manifold = cache.manifolds[contact.slot];
+  const double max = flush * static_cast<double>(of.size);
+  const float deepest = *std::min_element(manifold.separation, manifold.separation + of.count);
+  const Pose pose = colliders.pose(contact.collider, input.poses);
+  const Quaternion seen = pose.orientation.conjugate();
+  const Shape& before = colliders.shape[other.collider];
+  const Pose pose_before = colliders.pose(other.collider, input.poses);
+  std::array<Vector3, max_points> places;  // in the solid's frame
+  int count = 0, point = 0;
+  bool leads_up = true;
+  each_point(of, manifold, input.poses, of.pair.first == contact.collider, [&](const Vector3& p) {
+    if (manifold.separation[point++] > deepest + static_cast<float>(max)) return;
+    places[static_cast<std::size_t>(count++)] = seen * (p - pose.position);
+    const Pose ahead{p + 3 * max * back.normalized(), Quaternion::Identity()};
+    leads_up = leads_up && std::abs(other.plane.dot(p) - other.offset) <= max &&
+               overlaps(Shape::sphere(max), ahead, before, pose_before);
+  });
+  if (!leads_up) return {};
+  const Vector3 up = seen * other.plane, towards = seen * back;
+  std::optional<Plane> above;
+  int faces = 0;
+  bool is_in_front = false;
+  each_face(colliders.shape[contact.collider], [&](const Vector3& normal, double offset) {
+    const bool is_on_it = std::all_of(places.begin(), places.begin() + count, [&](const Vector3& place) {
+      return std::abs(normal.dot(place) - offset) <= max;
+    });
+    if (!is_on_it) return;
+    ++faces;
+    if (!(normal.dot(up) > 0)) return;
+    is_in_front = !above && normal.dot(towards) > 0;
+    above = Plane{normal, offset};
+  });
+  if (faces != 2 || !is_in_front) return {};
+  return above;
+}
+
+void InnerEdges::find_of_mover(ContactCache& cache, const ContactUpdateInput& input, std::span<const OnGround> contacts,
+                               ContactUpdate& update) {
   for (const OnGround& contact : contacts) {
-    const auto hides_it = [&](const OnGround& other) {
+    const auto leans = [&](const OnGround& other) {
       return (other.collider != contact.collider || other.own != contact.own) &&
-             contact.normal.cross(other.plane).norm() >= contact.min_lean && ends_at(cache, input, contact, other);
+             contact.normal.cross(other.plane).norm() >= contact.min_lean;
     };
-    if (std::ranges::any_of(contacts, hides_it)) inner_.push_back(contact.slot);
+    if (std::ranges::any_of(
+            contacts, [&](const OnGround& other) { return leans(other) && ends_at(cache, input, contact, other); })) {
+      inner_.push_back(contact.slot);
+      continue;
+    }
+    for (const OnGround& other : contacts) {
+      const std::optional<Plane> face = leans(other) ? face_above(cache, input, contact, other) : std::nullopt;
+      if (!face) continue;
+      update.counts.points +=
+          turn_contact(cache, input, contact.slot, contact.own, contact.collider, face->normal, face->offset);
+      break;
+    }
   }
 }
 
-std::span<const std::uint32_t> InnerEdges::find(const ContactCache& cache, const ContactUpdateInput& input,
-                                                std::span<const TouchingPair> touching) {
+std::span<const std::uint32_t> InnerEdges::find(ContactCache& cache, const ContactUpdateInput& input,
+                                                ContactUpdate& update) {
   inner_.clear();
-  list(cache, input, touching);
+  list(cache, input, update.touching);
   const auto meeting = [](const OnGround& one) { return std::pair(one.mover, one.ground); };
   std::ranges::stable_sort(on_ground_, {}, meeting);
   for (auto first = on_ground_.begin(); first != on_ground_.end();) {
     const auto end =
         std::find_if(first, on_ground_.end(), [&](const OnGround& one) { return meeting(one) != meeting(*first); });
-    find_of_mover(cache, input, {first, end});
+    find_of_mover(cache, input, {first, end}, update);
     first = end;
   }
   std::ranges::sort(inner_);
