@@ -205,7 +205,7 @@ bool InnerEdges::ends_at(const ContactCache& cache, const ContactUpdateInput& in
 }
 
 // The face of a solid that rises from the plane of another contact of the same bodies, if an edge of it is what a
-// contact is with, and lies in that plane, where the other shape leads up to it.
+// contact is with, and lies in that plane, where the other shape leads up to it. What is below the plane is inside.
 std::optional<InnerEdges::Plane> InnerEdges::face_above(const ContactCache& cache, const ContactUpdateInput& input,
                                                         const OnGround& contact, const OnGround& other) {
   const ColliderTable& colliders = input.colliders;
@@ -224,13 +224,13 @@ std::optional<InnerEdges::Plane> InnerEdges::face_above(const ContactCache& cach
   int count = 0, point = 0;
   bool leads_up = true;
   each_point(of, manifold, input.poses, of.pair.first == contact.collider, [&](const Vector3& p) {
-    if (manifold.separation[point++] > deepest + static_cast<float>(max)) return;
+    const double height = other.plane.dot(p) - other.offset;
+    if (manifold.separation[point++] > deepest + static_cast<float>(max) || height < -max) return;
     places[static_cast<std::size_t>(count++)] = seen * (p - pose.position);
     const Pose ahead{p + 3 * max * back.normalized(), Quaternion::Identity()};
-    leads_up = leads_up && std::abs(other.plane.dot(p) - other.offset) <= max &&
-               overlaps(Shape::sphere(max), ahead, before, pose_before);
+    leads_up = leads_up && height <= max && overlaps(Shape::sphere(max), ahead, before, pose_before);
   });
-  if (!leads_up) return {};
+  if (!leads_up || count == 0) return {};
   const Vector3 up = seen * other.plane, towards = seen * back;
   std::optional<Plane> above;
   int faces = 0;
