@@ -88,13 +88,8 @@ void DirectJoints::solve_velocities(const SolveInput& input, int substep, Solver
 void DirectJoints::solve_positions(const SolveInput& input, int substep, SolverBodies& bodies) {
   const double h = input.substep();
   Substeps(input, bodies_, motions_, rows_).advance_coordinates();
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const DisplacementRows& rows = bodies.displacement[places_[i]];
-    BodyPose& now = bodies_[i].now;
-    now.position = bodies_[i].start.position + get3(rows.linear);
-    now.orientation = (rotation_of(rows) * bodies_[i].start.orientation).normalized();
-    bodies_[i].next = now;
-  }
+  load_poses(bodies);
+  for (MovingBody& body : bodies_) body.next = body.now;
   load_velocities(bodies);
   close_joints(input, h * (substep + 1), h, bodies_, motions_);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -140,6 +135,57 @@ void DirectJoints::finish(const SolveInput& input) {
     record_motion(table, input.bounds, body, bodies_[i].start, input.dt, notes);
   }
   write_back_joints(input, motions_.problem.joints);
+}
+
+void DirectJoints::load(const SolveInput& input, const SolverBodies& bodies) {
+  static_cast<void>(load_bodies(input, members_, motions_.problem, bodies_));
+  rows_ = load_joints(input.joints, members_, motions_.problem.joints);
+  Substeps(input, bodies_, motions_, rows_).begin();
+  load_poses(bodies);
+}
+
+bool DirectJoints::begin_impacts(const SolveInput& input, double time, std::span<const BodyPose> by,
+                                 std::vector<double>& velocities) {
+  for (MovingBody& body : bodies_) body.before = body.now;
+  take_to(input, time, by);
+  motions_.problem.free = velocities;
+  if (!rows_.all_locked) record_rates(velocities, motions_.problem.joints);
+  if (!Substeps(input, bodies_, motions_, rows_).hold()) return false;
+  velocities = motions_.problem.velocity;
+  return true;
+}
+
+int DirectJoints::end_at(const SolveInput& input, std::size_t joint, std::size_t row) const {
+  const DirectJoint& of = motions_.problem.joints[joint];
+  const Law& law = law_of(input.joints[of.joint], row);
+  if (law.locked()) return 0;
+  if (of.limit[row] != 0) return of.limit[row];
+  return of.at[row].value <= law.lower ? -1 : of.at[row].value >= law.upper ? 1 : 0;
+}
+
+void DirectJoints::end_impacts(const SolveInput& input, double time, std::span<const BodyPose> by,
+                               const std::vector<double>& velocities) {
+  take_to(input, time, by);
+  if (!rows_.all_locked) record_rates(velocities, motions_.problem.joints);
+  record_armature_rates(input.joints, velocities, motions_.problem.joints);
+}
+
+void DirectJoints::load_poses(const SolverBodies& bodies) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const DisplacementRows& rows = bodies.displacement[places_[i]];
+    BodyPose& now = bodies_[i].now;
+    now.position = bodies_[i].start.position + get3(rows.linear);
+    now.orientation = (rotation_of(rows) * bodies_[i].start.orientation).normalized();
+  }
+}
+
+void DirectJoints::take_to(const SolveInput& input, double time, std::span<const BodyPose> by) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    MovingBody& body = bodies_[i];
+    body.now.position = body.before.position + by[i].position;
+    body.now.orientation = (by[i].orientation * body.before.orientation).normalized();
+  }
+  Substeps(input, bodies_, motions_, rows_).place(time);
 }
 
 void DirectJoints::load_velocities(const SolverBodies& bodies) {

@@ -388,6 +388,13 @@ void Substeps::advance() {
   }
 }
 
+bool Substeps::hold() {
+  leave_out_tension(bodies_, problem_);
+  hold_locks_alone(input_.joints, problem_);
+  if (by_bodies_) weigh_locks(input_.joints, problem_);
+  return solve_rows() && (is_factored(problem_) || motions_.search.matrix.factor(problem_));
+}
+
 void Substeps::advance_coordinates() {
   for (DirectJoint& joint : problem_.joints) {
     joint.move_terms(problem_.velocity, h_);

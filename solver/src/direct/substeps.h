@@ -43,6 +43,9 @@ class Substeps {
   /// Solves the joints alone, from the free velocities. `finds_impacts` also finds which coordinates bounce, and how;
   /// otherwise the last finding is used again.
   bool find_joint_velocities(bool finds_impacts);
+  /// Finds velocities at which locks hold what the free ones leave open, and nothing else acts but rotors, on bodies of
+  /// the inertia that they have. Returns false if there are none.
+  bool hold();
   /// Moves the coordinates by the velocities of bodies.
   void advance_coordinates();
   /// Projects the lasting velocities to ones that keep the joints, and changes nothing at contacts that rest: both have

@@ -38,7 +38,7 @@ class GroupPass {
   void complete_joints();
   void refresh_joint_rows(bool moved);
   void prepare_systems();
-  void bounce();
+  void bounce(int number);
   void record_speeds();
   void integrate_velocities(bool carries);
   void warm_start(int number);
@@ -79,7 +79,7 @@ template <typename Executor>
 void GroupPass<Executor>::substep(int number) {
   const bool carries = setup_.settings.warm_starting && number > 0;  // impulses of the last substep
   const bool last = number + 1 == setup_.settings.substeps;
-  if (report_.restitution) bounce();
+  if (report_.restitution) bounce(number);
   clock_.lap(SolverPhase::Restitution);
   record_speeds();
   integrate_velocities(carries);
@@ -171,10 +171,13 @@ void GroupPass<Executor>::prepare_systems() {
 
 // Reflects the contacts that hit within the substep, before its forces.
 template <typename Executor>
-void GroupPass<Executor>::bounce() {
+void GroupPass<Executor>::bounce(int number) {
   loops_.each_contact_block(
       [&](std::size_t begin, std::size_t end) { setup_.kernels.find_approaches(setup_.contact_data, begin, end); });
-  parts_.impacts.solve(setup_.contact_data, setup_.friction);
+  const JoinedMotion* components = setup_.joined ? &parts_.joined_motion : nullptr;
+  const double start = setup_.input.substep() * number;
+  parts_.impacts.solve(setup_.contact_data, setup_.friction,
+                       {setup_.input, setup_.group, parts_.numbers, components, start});
 }
 
 // Records rates before the forces of a substep, since springs go by these.

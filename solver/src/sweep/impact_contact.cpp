@@ -10,17 +10,50 @@ namespace {
 
 double length_of(double a, double b) { return std::sqrt(a * a + b * b); }
 
+// The impulses on the two bodies of a contact.
+ImpactMomentum on_first(const ImpactContact& contact, const Vector3& impulse, const Vector3& angular) {
+  return {-impulse, -(contact.arm_first.cross(impulse) + angular)};
+}
+ImpactMomentum on_second(const ImpactContact& contact, const Vector3& impulse, const Vector3& angular) {
+  return {impulse, contact.arm_second.cross(impulse) + angular};
+}
+
 // A contact with the bodies that it acts on.
 struct Acting {
   ImpactContact& contact;
   ImpactBody& first;
   ImpactBody& second;
+  const ImpactBodies& all;
 
   void apply(const Vector3& impulse, const Vector3& angular) const {
-    first.velocity -= first.inverse_mass.cwiseProduct(impulse);
-    first.spin -= first.inverse_inertia * (contact.arm_first.cross(impulse) + angular);
-    second.velocity += second.inverse_mass.cwiseProduct(impulse);
-    second.spin += second.inverse_inertia * (contact.arm_second.cross(impulse) + angular);
+    if (first.is_joined()) {
+      all.systems[first.system].push(first.place, on_first(contact, impulse, angular), all.bodies);
+    } else {
+      first.velocity -= first.inverse_mass.cwiseProduct(impulse);
+      first.spin -= first.inverse_inertia * (contact.arm_first.cross(impulse) + angular);
+    }
+    if (second.is_joined()) {
+      all.systems[second.system].push(second.place, on_second(contact, impulse, angular), all.bodies);
+    } else {
+      second.velocity += second.inverse_mass.cwiseProduct(impulse);
+      second.spin += second.inverse_inertia * (contact.arm_second.cross(impulse) + angular);
+    }
+  }
+
+  // Has bodies begin elsewhere: `back` seconds, below 0, of what the impulse makes of their velocities.
+  void put_back(double back, const Vector3& impulse, const Vector3& angular) const {
+    if (first.is_joined()) {
+      all.systems[first.system].put_back(first.place, back, on_first(contact, impulse, angular));
+    } else {
+      first.shift -= back * first.inverse_mass.cwiseProduct(impulse);
+      first.turn -= back * (first.inverse_inertia * (contact.arm_first.cross(impulse) + angular));
+    }
+    if (second.is_joined()) {
+      all.systems[second.system].put_back(second.place, back, on_second(contact, impulse, angular));
+    } else {
+      second.shift += back * second.inverse_mass.cwiseProduct(impulse);
+      second.turn += back * (second.inverse_inertia * (contact.arm_second.cross(impulse) + angular));
+    }
   }
 
   // Slip along the tangents, and spin about the normal.
@@ -100,6 +133,26 @@ struct Work {
   }
 };
 
+// 1/kg: what a joined body adds to the motion along one direction by an impulse along another, by its own motion and
+// by that of the other body if it is in the same system.
+double response_of(const ImpactBodies& all, const ImpactBody& body, const ImpactMomentum& along,
+                   const ImpactMomentum& impulse, const ImpactBody& other, const ImpactMomentum& impulse_on_other) {
+  if (!body.is_joined()) {
+    return along.linear.dot(body.inverse_mass.cwiseProduct(impulse.linear)) +
+           along.angular.dot(body.inverse_inertia * impulse.angular);
+  }
+  const ImpactSystem& system = all.systems[body.system];
+  const double own = system.response(body.place, along, body.place, impulse);
+  if (other.system != body.system) return own;
+  return own + system.response(body.place, along, other.place, impulse_on_other);
+}
+
+Work work_of(const ImpactEnd& end) {
+  Work work;
+  work.add(end.impulse, end.before, end.rate);
+  return work;
+}
+
 Work work_of(const Acting& acting) {
   Work work;
   const ImpactContact& contact = acting.contact;
@@ -120,9 +173,47 @@ Work work_of(const Acting& acting) {
 
 }  // namespace
 
-void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, Friction friction) {
+void weigh_joined(const ImpactBodies& all, ImpactContact& contact) {
+  const ImpactBody& first = all.bodies[contact.first];
+  const ImpactBody& second = all.bodies[contact.second];
+  // An impulse along or about an axis of the contact, or one with a couple.
+  struct Direction {
+    Vector3 linear, angular;
+  };
+  const auto response = [&](const Direction& along, const Direction& by) {
+    const ImpactMomentum along_first = on_first(contact, along.linear, along.angular);
+    const ImpactMomentum along_second = on_second(contact, along.linear, along.angular);
+    const ImpactMomentum by_first = on_first(contact, by.linear, by.angular);
+    const ImpactMomentum by_second = on_second(contact, by.linear, by.angular);
+    return response_of(all, first, along_first, by_first, second, by_second) +
+           response_of(all, second, along_second, by_second, first, by_first);
+  };
+  const auto mass = [&](const Direction& along) {
+    const double responds = response(along, along);
+    return responds > 0 ? 1 / responds : 0;
+  };
+  const auto& [normal, tangent, other] = contact.axes;
+  for (ImpactContact::Point& point : contact.points) {
+    if (point.hits) point.mass = mass({normal, point.y * tangent - point.x * other});
+  }
+  const Direction one{tangent, Vector3::Zero()}, two{other, Vector3::Zero()};
+  const double r11 = response(one, one), r12 = response(one, two), r22 = response(two, two);
+  const double determinant = r11 * r22 - r12 * r12;
+  if (determinant > 0) contact.friction.mass = {r22 / determinant, -r12 / determinant, r11 / determinant};
+  contact.friction.twist_mass = mass({Vector3::Zero(), normal});
+}
+
+void reflect(std::span<ImpactContact> contacts, const ImpactBodies& bodies, std::span<const std::uint32_t> joined,
+             Friction friction) {
   const auto each = [&](const auto& act) {
-    for (ImpactContact& contact : contacts) act(Acting{contact, bodies[contact.first], bodies[contact.second]});
+    for (ImpactContact& contact : contacts) {
+      act(Acting{contact, bodies.bodies[contact.first], bodies.bodies[contact.second], bodies});
+    }
+  };
+  const auto each_end = [&](const auto& act) {
+    for (const std::uint32_t number : joined) {
+      for (ImpactEnd& end : bodies.systems[number].ends()) act(bodies.systems[number], end);
+    }
   };
   double speed = 0;
   each([&](const Acting& acting) {
@@ -138,15 +229,17 @@ void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, Fr
       if (friction != Friction::None && acting.contact.friction.coefficient > 0)
         change = std::max(change, acting.rub(friction));
     });
+    each_end([&](ImpactSystem& system, ImpactEnd& end) { change = std::max(change, system.push(end, bodies.bodies)); });
     if (change <= tuning::impact_tolerance * speed) break;
   }
   Work all;
-  each([&](const Acting& acting) {
-    const Work work = work_of(acting);
+  const auto add = [&](const Work& work) {
     all.linear += work.linear;
     all.square += work.square;
     all.given += work.given;
-  });
+  };
+  each([&](const Acting& acting) { add(work_of(acting)); });
+  each_end([&](const ImpactSystem&, const ImpactEnd& end) { add(work_of(end)); });
   // linear s + square s^2 = wanted
   const double wanted = std::min(all.linear + all.square, all.given);
   const double root = all.linear * all.linear + 4 * all.square * wanted;
@@ -163,14 +256,12 @@ void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, Fr
       point.impulse *= scale;
     }
     acting.apply((scale - 1) * impulse, (scale - 1) * angular);
-    const double back = -scale * contact.time;
-    acting.first.shift -= back * acting.first.inverse_mass.cwiseProduct(impulse);
-    acting.first.turn -= back * (acting.first.inverse_inertia * (contact.arm_first.cross(impulse) + angular));
-    acting.second.shift += back * acting.second.inverse_mass.cwiseProduct(impulse);
-    acting.second.turn += back * (acting.second.inverse_inertia * (contact.arm_second.cross(impulse) + angular));
+    acting.put_back(-scale * contact.time, impulse, angular);
     if (!(acting.load() > 0)) return;
     for (ImpactBody* body : {&acting.first, &acting.second}) body->changed |= body->moves();
   });
+  each_end(
+      [&](ImpactSystem& system, ImpactEnd& end) { system.add_impulse(end, (scale - 1) * end.impulse, bodies.bodies); });
 }
 
 }  // namespace atl::solver

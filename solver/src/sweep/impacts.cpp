@@ -1,4 +1,5 @@
 #include <jobs/assert.h>
+#include <solver/direct/joint_systems.h>
 #include <solver/integrate/free_flight.h>
 #include <solver/sweep/impacts.h>
 #include <solver/tuning.h>
@@ -44,9 +45,10 @@ void hide(const ContactKernelData& data, std::uint32_t block, std::uint32_t lane
   }
 }
 
-// True if swept joints hold a body: they would part if the body were shifted.
-bool is_held(const ContactKernelData& data, std::uint32_t body) {
-  return data.joined != nullptr && data.joined[body] == static_cast<std::uint8_t>(Joined::Swept);
+// True if swept joints hold a body, and nobody knows what they hold to it: they would part if the body were shifted.
+bool is_held(const ContactKernelData& data, const ImpactBody& body) {
+  return data.joined != nullptr && data.joined[body.local] == static_cast<std::uint8_t>(Joined::Swept) &&
+         !body.is_joined();
 }
 
 // m, the arms of a contact on its two bodies, as these are turned now.
@@ -95,40 +97,120 @@ void Impacts::begin_step(std::size_t body_count, std::size_t block_count) {
   first_.clear();
 }
 
-void Impacts::solve(const ContactKernelData& data, Friction friction) {
+void Impacts::solve(const ContactKernelData& data, Friction friction, const Joints& joints) {
   bodies_.clear();
   contacts_.clear();
-  find_first(data);
+  hit_systems_.clear();
+  if (joints.components != nullptr && systems_.size() < joints.components->component_count()) {
+    systems_.resize(joints.components->component_count());
+  }
+  find_first(data, joints);
   for (int round = 0; round < tuning::max_impact_rounds && !contacts_.empty(); ++round) {
+    if (joints.components != nullptr) begin_systems(data, joints);
     gather_sets();
-    for (std::size_t begin = 0, end = 0; begin < contacts_.size(); begin = end) {
-      const std::uint32_t set = contacts_[begin].set;
-      while (end < contacts_.size() && contacts_[end].set == set) ++end;
-      reflect(std::span(contacts_).subspan(begin, end - begin), bodies_, friction);
-    }
+    reflect_sets(friction);
+    for (const std::uint32_t number : hit_systems_) systems_[number].end_round(bodies_);
     for (const ImpactContact& contact : contacts_) {
       for (std::size_t i = 0; i < max_points; ++i) {
         float& spent = data.bounces[contact.block].spent[i][contact.lane];
         spent = static_cast<float>(spent + contact.points[i].impulse);
       }
     }
-    find_next(data);
+    find_next(data, joints);
   }
   for (const ImpactContact& contact : contacts_) hide(data, contact.block, contact.lane);
-  store(data);
+  store(data, joints);
 }
 
-void Impacts::find_first(const ContactKernelData& data) {
+// Takes in what joints hold to bodies that are hit in this round.
+void Impacts::begin_systems(const ContactKernelData& data, const Joints& joints) {
+  hits_.clear();
+  for (const ImpactContact& contact : contacts_) {
+    for (const std::uint32_t place : {contact.first, contact.second}) {
+      if (bodies_[place].is_joined()) hits_.push_back({bodies_[place].system, contact.time, bodies_[place].local});
+    }
+  }
+  std::sort(hits_.begin(), hits_.end());
+  for (std::size_t begin = 0, end = 0; begin < hits_.size(); begin = end) {
+    const JoinedHit& first = hits_[begin];
+    while (end < hits_.size() && hits_[end].system == first.system) ++end;
+    if (!bodies_[number_[first.local]].is_hit && !begin_system(data, joints, first.system, first.time)) continue;
+    // The earliest first.
+    joined_.clear();
+    for (std::size_t i = begin; i < end; ++i) bodies_[number_[hits_[i].local]].waits = true;
+    for (std::size_t i = begin; i < end && joined_.size() < ImpactSystem::max_hit; ++i) {
+      ImpactBody& body = bodies_[number_[hits_[i].local]];
+      if (body.waits) joined_.push_back(body.member);
+      body.waits = false;
+    }
+    std::sort(joined_.begin(), joined_.end());
+    systems_[first.system].begin_round(joined_, bodies_);
+  }
+  std::erase_if(contacts_, [&](const ImpactContact& contact) {
+    return bodies_[contact.first].waits || bodies_[contact.second].waits;
+  });
+  for (ImpactContact& contact : contacts_) {
+    if (contact.is_complete) continue;
+    complete(data, contact);
+    if (is_joined(contact)) weigh_joined({bodies_, systems_}, contact);
+  }
+}
+
+// Takes a system as a whole to where it is by its first impact.
+bool Impacts::begin_system(const ContactKernelData& data, const Joints& joints, std::uint32_t number, double time) {
+  const std::uint32_t of_graph = joints.components->graph_component(number);
+  DirectJoints& of = *joints.input.joint_systems->for_impacts(joints.input, of_graph);
+  if (!joints.input.solves_directly(of_graph)) {
+    of.locate([&](std::uint32_t body) { return joints.numbers.local(joints.input, joints.group, body); });
+    of.load(joints.input, data.bodies);
+  }
+  ImpactSystem& system = systems_[number];
+  system.places().clear();
+  for (const std::uint32_t local : of.places()) {
+    const std::uint32_t place = body_of(data, joints, local);
+    ImpactBody& body = bodies_[place];
+    body.system = number;
+    body.member = static_cast<std::uint32_t>(system.places().size());
+    body.is_hit = body.bounces = true;
+    body.time = time;
+    tumble(time, body);
+    system.places().push_back(place);
+  }
+  if (system.begin(joints.input, of, joints.start, time, bodies_)) {
+    hit_systems_.push_back(number);
+    return true;
+  }
+  for (const std::uint32_t place : system.places()) bodies_[place].system = none;
+  return false;
+}
+
+void Impacts::reflect_sets(Friction friction) {
+  for (std::size_t begin = 0, end = 0; begin < contacts_.size(); begin = end) {
+    const std::uint32_t set = contacts_[begin].set;
+    joined_.clear();
+    for (; end < contacts_.size() && contacts_[end].set == set; ++end) {
+      for (const std::uint32_t place : {contacts_[end].first, contacts_[end].second}) {
+        if (bodies_[place].is_joined()) joined_.push_back(bodies_[place].system);
+      }
+    }
+    std::sort(joined_.begin(), joined_.end());
+    joined_.erase(std::unique(joined_.begin(), joined_.end()), joined_.end());
+    reflect(std::span(contacts_).subspan(begin, end - begin), {bodies_, systems_}, joined_, friction);
+  }
+}
+
+void Impacts::find_first(const ContactKernelData& data, const Joints& joints) {
   for (std::size_t b = 0; b < block_count_; ++b) {
     if (!data.blocks[b].traits.bounces) continue;
     for (unsigned lane = 0; lane < block_lanes; ++lane) {
-      if (data.bounces[b].closes >> lane & 1u) add_if_hit(data, static_cast<std::uint32_t>(b * block_lanes + lane));
+      if (data.bounces[b].closes >> lane & 1u)
+        add_if_hit(data, joints, static_cast<std::uint32_t>(b * block_lanes + lane));
     }
   }
 }
 
 // Finds the contacts for the next round, among those of bodies that the last round has changed.
-void Impacts::find_next(const ContactKernelData& data) {
+void Impacts::find_next(const ContactKernelData& data, const Joints& joints) {
   if (first_.empty()) list_lanes(data);
   std::vector<std::uint32_t>& lanes = changed_;
   lanes.clear();
@@ -141,7 +223,7 @@ void Impacts::find_next(const ContactKernelData& data) {
   std::sort(lanes.begin(), lanes.end());
   lanes.erase(std::unique(lanes.begin(), lanes.end()), lanes.end());
   contacts_.clear();
-  for (const std::uint32_t lane : lanes) add_if_hit(data, lane);
+  for (const std::uint32_t lane : lanes) add_if_hit(data, joints, lane);
 }
 
 void Impacts::list_lanes(const ContactKernelData& data) {
@@ -168,7 +250,7 @@ void Impacts::list_lanes(const ContactKernelData& data) {
   each([&](std::int32_t body, std::uint32_t lane) { lanes_[first_[static_cast<std::size_t>(body) + 1]++] = lane; });
 }
 
-std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t local) {
+std::uint32_t Impacts::body_of(const ContactKernelData& data, const Joints& joints, std::uint32_t local) {
   ATL_ASSERT(local < number_.size(), local, number_.size());
   std::uint32_t& number = number_[local];
   if (number != none) return number;
@@ -176,6 +258,12 @@ std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t loca
   const SolverBodies& rows = data.bodies;
   ImpactBody& body = bodies_.emplace_back();
   body.local = local;
+  if (joints.components != nullptr && local >= joints.numbers.first_dynamic()) {
+    const std::uint32_t component = joints.components->component_of(local - joints.numbers.first_dynamic());
+    if (component != JointGraph::none &&
+        joints.input.joint_systems->for_impacts(joints.input, joints.components->graph_component(component)) != nullptr)
+      body.system = component;
+  }
   body.velocity = velocity_of(rows, local);
   body.spin = spin_of(rows, local);
   body.acceleration = get3(rows.acceleration[local].linear);
@@ -191,23 +279,20 @@ std::uint32_t Impacts::body_of(const ContactKernelData& data, std::uint32_t loca
   return number;
 }
 
-void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
+void Impacts::add_if_hit(const ContactKernelData& data, const Joints& joints, std::uint32_t number) {
   const std::uint32_t b = number / block_lanes, lane = number % block_lanes;
   const ContactBlock& block = data.blocks[b];
   const BounceBlock& bounce = data.bounces[b];
   if (!(bounce.restitution[lane] > 0)) return;
-  const std::uint32_t place_of_first = body_of(data, static_cast<std::uint32_t>(block.first[lane]));
-  const std::uint32_t place_of_second = body_of(data, static_cast<std::uint32_t>(block.second[lane]));
+  const std::uint32_t place_of_first = body_of(data, joints, static_cast<std::uint32_t>(block.first[lane]));
+  const std::uint32_t place_of_second = body_of(data, joints, static_cast<std::uint32_t>(block.second[lane]));
   ImpactBody& first = bodies_[place_of_first];
   ImpactBody& second = bodies_[place_of_second];
   if (!may_close(data, number, first, second)) return;
   ImpactContact contact(b, lane, place_of_first, place_of_second);
   const Vector3 normal = get_lane(block.normal, lane), tangent = get_lane(block.tangent, lane);
   contact.axes = {normal, tangent, normal.cross(tangent)};
-  const auto place_arms = [&] {
-    std::tie(contact.arm_first, contact.arm_second) = arms_of(data, number, first, second);
-  };
-  place_arms();
+  std::tie(contact.arm_first, contact.arm_second) = arms_of(data, number, first, second);
 
   // Points bounce if they meet in this substep, faster than the threshold.
   const double h = data.constants.h;
@@ -231,23 +316,33 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
   }
   if (!bounces) return;
   ATL_ASSERT(!(contact.time < 0) && !(contact.time > h), b, lane, contact.time, h);
-  // A body that swept joints hold is not put elsewhere, so it bounces where it is next to the surface: now, or as the
+  // A body that is held is not put elsewhere, so it bounces where it is next to the surface: now, or as the
   // next substep begins.
-  if (contact.time > 0.5 * h && (is_held(data, first.local) || is_held(data, second.local))) {
+  if (contact.time > 0.5 * h && (is_held(data, first) || is_held(data, second))) {
     hide(data, b, lane);
     return;
   }
 
-  // Bodies are taken to the instant of the impact.
+  contact.pulled = pull * contact.time;
+  contacts_.push_back(contact);
+  if (!is_joined(contact)) complete(data, contacts_.back());
+}
+
+// Takes the bodies of a contact to the instant of their first impact, and finds how it is to be reflected.
+void Impacts::complete(const ContactKernelData& data, ImpactContact& contact) {
+  const std::uint32_t b = contact.block, lane = contact.lane;
+  const ContactBlock& block = data.blocks[b];
+  ImpactBody& first = bodies_[contact.first];
+  ImpactBody& second = bodies_[contact.second];
   for (ImpactBody* body : {&first, &second}) {
     if (body->is_hit || !body->moves()) continue;
     body->is_hit = true;
     body->time = contact.time;
     tumble(body->time, *body);
   }
-  place_arms();
-  contact.pulled = pull * contact.time;
-  const double restitution = bounce.restitution[lane];
+  contact.is_complete = true;
+  std::tie(contact.arm_first, contact.arm_second) = arms_of(data, b * block_lanes + lane, first, second);
+  const double restitution = data.bounces[b].restitution[lane];
   for (std::size_t i = 0; i < block.traits.points; ++i) {
     ImpactContact::Point& point = contact.points[i];
     if (!point.hits) continue;
@@ -268,7 +363,6 @@ void Impacts::add_if_hit(const ContactKernelData& data, std::uint32_t number) {
     rubs.torsional = surface.torsional_friction[0][lane];
     rubs.ellipse = {surface.cosine[0][lane], surface.sine[0][lane], surface.ratio[0][lane]};
   }
-  contacts_.push_back(contact);
 }
 
 // Sorts contacts by what hangs together: bodies that can't move pass nothing on.
@@ -279,13 +373,17 @@ void Impacts::gather_sets() {
     while (sets_[body] != body) body = sets_[body] = sets_[sets_[body]];
     return body;
   };
+  // One body stands for all that joints hold together.
+  const auto one_of = [&](std::uint32_t body) {
+    return bodies_[body].is_joined() ? systems_[bodies_[body].system].places().front() : body;
+  };
   for (const ImpactContact& contact : contacts_) {
     if (!bodies_[contact.first].moves() || !bodies_[contact.second].moves()) continue;
-    const std::uint32_t a = root(contact.first), b = root(contact.second);
+    const std::uint32_t a = root(one_of(contact.first)), b = root(one_of(contact.second));
     sets_[std::max(a, b)] = std::min(a, b);
   }
   for (ImpactContact& contact : contacts_) {
-    contact.set = root(bodies_[contact.first].moves() ? contact.first : contact.second);
+    contact.set = root(one_of(bodies_[contact.first].moves() ? contact.first : contact.second));
   }
   // Then by their bodies, so that sums don't tell which blocks they are in: who shares a group must not show.
   const auto order = [&](const ImpactContact& contact) {
@@ -294,7 +392,7 @@ void Impacts::gather_sets() {
   std::ranges::stable_sort(contacts_, {}, order);
 }
 
-void Impacts::store(const ContactKernelData& data) {
+void Impacts::store(const ContactKernelData& data, const Joints& joints) {
   for (ImpactBody& body : bodies_) {
     number_[body.local] = none;
     if (!body.bounces) continue;
@@ -303,10 +401,11 @@ void Impacts::store(const ContactKernelData& data) {
     add3(blow.linear, body.velocity - velocity_of(data.bodies, body.local));
     add3(blow.angular, body.spin - spin_of(data.bodies, body.local));
     set_uncarried(data.bodies, body.local, body.velocity, body.spin);
-    if (is_held(data, body.local)) continue;
+    if (is_held(data, body)) continue;
     add3(data.bodies.displacement[body.local].linear, body.shift);
     turn_on(data.bodies, body.local, body.turned);
   }
+  for (const std::uint32_t number : hit_systems_) systems_[number].end(joints.input, bodies_);
 }
 
 }  // namespace atl::solver

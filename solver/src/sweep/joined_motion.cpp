@@ -20,7 +20,7 @@ void JoinedMotion::build(const SolveInput& input, const IslandGroup& group) {
     std::uint32_t& number = number_[of_graph];
     if (number == none) {
       number = static_cast<std::uint32_t>(components_.size());
-      components_.push_back({.direct = input.solves_directly(of_graph)});
+      components_.push_back({.of_graph = of_graph, .direct = input.solves_directly(of_graph)});
       if (components_.back().direct) direct_.push_back(of_graph);
     }
     for (const std::uint32_t body : {link.first, link.second}) {

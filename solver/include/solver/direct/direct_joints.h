@@ -41,6 +41,25 @@ class DirectJoints {
   void solve_positions(const SolveInput& input, int substep, SolverBodies& bodies);
   /// Finds, after that, the velocities that keep the joints at the new poses.
   void relax(const SolveInput& input, int substep, SolverBodies& bodies);
+  /// Loads bodies and joints as they are in a substep, where joints are otherwise swept.
+  void load(const SolveInput& input, const SolverBodies& bodies);
+  /// Takes bodies to where they are at an instant of a substep, `time` seconds into the step, `by` so much from where
+  /// it began, and makes their velocities (six numbers each) such as keep the joints there: locks hold, and rotors turn
+  /// along, by themselves. Returns false if there are none. end_impacts() is to follow, either way.
+  bool begin_impacts(const SolveInput& input, double time, std::span<const BodyPose> by,
+                     std::vector<double>& velocities);
+  /// Replaces momenta of bodies by what these make of velocities at that instant.
+  void respond(std::span<double> momenta) const { motions_.search.matrix.solve(motions_.problem, momenta); }
+  /// The end of its range (Joint::limit) that a coordinate is at or beyond.
+  int end_at(const SolveInput& input, std::size_t joint, std::size_t row) const;
+  /// Takes bodies to where impacts have the substep begin, with velocities.
+  void end_impacts(const SolveInput& input, double time, std::span<const BodyPose> by,
+                   const std::vector<double>& velocities);
+
+  const IslandProblem& problem() const { return motions_.problem; }
+  /// Of its bodies among the solver's.
+  std::span<const std::uint32_t> places() const { return places_; }
+
   /// Closes the joints once poses have been written back, writes impulses, forces and limits to the joints, and records
   /// how the bodies moved.
   void finish(const SolveInput& input);
@@ -49,6 +68,8 @@ class DirectJoints {
   auto arrays() const { return std::tie(members_, places_, motions_, bodies_, answer_); }
 
  private:
+  void load_poses(const SolverBodies& bodies);
+  void take_to(const SolveInput& input, double time, std::span<const BodyPose> by);
   void load_velocities(const SolverBodies& bodies);
   void store_velocities(const std::vector<double>& velocities, SolverBodies& bodies);
   void keep_projected(const SolveInput& input, bool found, SolverBodies& bodies);

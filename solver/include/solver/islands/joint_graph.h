@@ -25,6 +25,7 @@ class JointGraph {
   /// Dynamic bodies that tendons hang together, two by two, beyond the two of their link.
   std::span<const JointLink> ties() const { return ties_; }
   std::size_t component_count() const { return start_.empty() ? 0 : start_.size() - 1; }
+  std::size_t joint_count() const { return component_of_.size(); }
   /// The component of a joint; none if it doesn't act. Components are in order of their first joint.
   std::uint32_t component_of(std::uint32_t joint) const { return component_of_[joint]; }
   std::span<const JointLink> links_of(std::uint32_t component) const;

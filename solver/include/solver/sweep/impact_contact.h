@@ -4,35 +4,13 @@
 #include <solver/integrate/body_table.h>
 #include <solver/solver_settings.h>
 #include <solver/sweep/contact_block.h>
+#include <solver/sweep/impact_system.h>
 
 #include <array>
 #include <cstdint>
 #include <span>
 
 namespace atl::solver {
-
-/// A body that something may hit in a substep.
-struct ImpactBody {
-  std::uint32_t local = 0;  ///< index into SolverBodies
-  Vector3 velocity = Vector3::Zero();
-  Vector3 spin = Vector3::Zero();
-  Vector3 acceleration = Vector3::Zero();  ///< m/s^2, by forces
-  Vector3 inverse_mass = Vector3::Zero();  ///< along the world's axes, of which some may be locked
-  Matrix3 inverse_inertia = Matrix3::Zero();
-  Quaternion rotation = Quaternion::Identity();  ///< of contacts' arms on it, from how blocks have them
-  bool turns = false;                            ///< they turn with it
-  bool is_locked = false;                        ///< about some axis
-  bool tumbles = false;                          ///< its moments of inertia differ
-  bool is_hit = false;
-  double time = 0;                             ///< s into the substep, at which it first is, and as of which it is here
-  Vector3 shift = Vector3::Zero();             ///< m: by which it has to begin elsewhere, to be where it is hit on time
-  Vector3 turn = Vector3::Zero();              ///< rad, likewise
-  Quaternion turned = Quaternion::Identity();  ///< since the substep began
-  bool changed = false;                        ///< by the last round
-  bool bounces = false;                        ///< some round has
-
-  bool moves() const { return !inverse_mass.isZero(0) || !inverse_inertia.isZero(0); }
-};
 
 /// A contact some of whose points hit.
 struct ImpactContact {
@@ -68,8 +46,9 @@ struct ImpactContact {
   Vector3 arm_first, arm_second;  ///< m
   std::array<Point, collision::max_points> points;
   Friction friction;
-  double time = 0;    ///< s into the substep, at which it is hit
-  double pulled = 0;  ///< m/s, that forces add to its speed of parting until then
+  bool is_complete = false;  ///< bodies are where it is hit, and what it answers with is known
+  double time = 0;           ///< s into the substep, at which it is hit
+  double pulled = 0;         ///< m/s, that forces add to its speed of parting until then
 
   /// m/s.
   double parting_speed(const Point& point, const ImpactBody& of_first, const ImpactBody& of_second) const {
@@ -98,9 +77,20 @@ struct ImpactContact {
   }
 };
 
+/// Bodies that may be hit, with the systems of those that joints hold.
+struct ImpactBodies {
+  std::span<ImpactBody> bodies;
+  std::span<ImpactSystem> systems;
+};
+
+/// Finds the effective masses of a contact some of whose bodies answer with all that joints hold to them.
+void weigh_joined(const ImpactBodies& bodies, ImpactContact& contact);
+
 /// Finds the impulses of contacts that hit together and gives them to their bodies: 0 <= P, parting <= u, and P = 0
-/// where u is more; friction is bound by P and acts against the slip that is left. By projected Gauss-Seidel, but for
-/// rounding. Friction makes no energy: all impulses are scaled to what the normal ones make.
-void reflect(std::span<ImpactContact> contacts, std::span<ImpactBody> bodies, solver::Friction friction);
+/// where u is more; friction is bound by P and acts against the slip that is left. `joined`: the systems of bodies that
+/// joints hold; ends of their ranges push as contacts do. By projected Gauss-Seidel, but for rounding. Friction makes
+/// no energy: all impulses are scaled to what the normal ones make.
+void reflect(std::span<ImpactContact> contacts, const ImpactBodies& bodies, std::span<const std::uint32_t> joined,
+             solver::Friction friction);
 
 }  // namespace atl::solver

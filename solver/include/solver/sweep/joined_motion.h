@@ -21,6 +21,8 @@ class JoinedMotion {
 
   /// Graph components of the group that are solved at once.
   std::span<const std::uint32_t> direct() const { return direct_; }
+  /// The component of the graph that a component is.
+  std::uint32_t graph_component(std::uint32_t component) const { return components_[component].of_graph; }
   bool is_joined(std::size_t body) const { return component_[body] != none; }
   bool is_direct(std::size_t body) const { return is_joined(body) && components_[component_[body]].direct; }
   /// Joined one by one, to nothing that is fixed, and touched by nothing: it falls as a whole.
@@ -60,6 +62,7 @@ class JoinedMotion {
   static constexpr std::uint32_t none = JointGraph::none;
 
   struct Component {
+    std::uint32_t of_graph = none;
     bool direct = false;
     bool touched = false;
     bool anchored = false;
