@@ -9,10 +9,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
+
+#include "integrate/rows3.h"
 
 namespace atl::solver {
 namespace {
+
+using BodyStart = PassiveEnergy::BodyStart;
 
 // True if contacts may not know a body's inertia for all of a step: as it turns, or as it does once what it has, and
 // falls by in the step, is struck. A spin that they make about the light axis, where that was, is one about the heavy
@@ -99,6 +104,63 @@ double energy_of(const SolveInput& input, std::size_t island, const StoredEnergy
   return sum;
 }
 
+// A body's motion in the step: m and rad.
+struct Moved {
+  Vector3 by, turn;
+
+  Moved(const BodyTable& bodies, std::uint32_t body, const BodyPose& start)
+      : by(bodies.position(body) - start.position) {
+    const Quaternion turned = bodies.orientation(body) * start.orientation.conjugate();
+    turn = (turned.w() < 0 ? -2.0 : 2.0) * turned.vec();
+  }
+  Vector3 at(const Vector3& arm) const { return by + turn.cross(arm); }
+};
+
+// m: how far a contact's overlap at a point has parted in the step, or 0.
+double parted(const collision::ContactManifold& manifold, int point, const collision::Tangents& tangents,
+              const std::optional<Moved>& first, const std::optional<Moved>& second) {
+  const Vector3 arm = manifold.x[point] * get3(tangents.first) + manifold.y[point] * get3(tangents.second);
+  Vector3 by = Vector3::Zero();
+  if (first) by -= first->at(get3(manifold.anchor_first) + arm);
+  if (second) by += second->at(get3(manifold.anchor_second) + arm);
+  return std::clamp(get3(manifold.normal).dot(by), 0.0, std::max(0.0, -double{manifold.separation[point]}));
+}
+
+// J: the work of contacts that part what overlaps, by the forces with which they end the step. `starts`: of the
+// island's bodies.
+double work_of_parting(const SolveInput& input, std::size_t island, std::span<const BodyStart> starts) {
+  const auto moved = [&](std::uint32_t body) -> std::optional<Moved> {
+    if (input.bodies.mobility[body] != Mobility::Dynamic) return {};
+    return Moved(input.bodies, body, starts[input.islands.rank(body) - input.islands.first_rank(island)].pose);
+  };
+  double sum = 0;  // J s
+  for (const TouchingPair& pair : input.islands.contacts(island, island + 1)) {
+    const collision::ContactManifold& manifold = input.manifolds[pair.slot];
+    const collision::Tangents tangents = collision::tangents(manifold.normal);
+    const std::optional<Moved> first = moved(pair.first), second = moved(pair.second);
+    for (int i = 0; i < input.contacts[pair.slot].count; ++i) {
+      sum += collision::kept_impulse(manifold.normal_impulse[i]) * parted(manifold, i, tangents, first, second);
+    }
+  }
+  return sum / (input.settings.refinement * input.substep());  // for which manifolds keep impulses
+}
+
+// J: by which those bodies have risen that did, in the forces on them, but for what has been struck.
+double lift(const SolveInput& input, std::span<const std::uint32_t> bodies, std::span<const BodyStart> starts) {
+  const BodyTable& table = input.bodies;
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::uint32_t body = bodies[i];
+    const Vector3 acceleration = linear_acceleration(table, body, input.gravity);
+    const Vector3 gained = table.velocity(body) - starts[i].velocity;
+    const Vector3 gained_spin = table.angular_velocity(body) - starts[i].spin;
+    if (!changes_steadily(gained, gained_spin, acceleration, input.dt, table.radius[body])) continue;
+    const Vector3 risen = table.position(body) - starts[i].pose.position;
+    sum += std::max(0.0, -acceleration.dot(risen) / table.inverse_mass[body]);
+  }
+  return sum;
+}
+
 // J: what motion and springs have given each other, by what each has gained.
 double exchanged(double moving, double springs) {
   return moving * springs < 0 ? std::min(std::abs(moving), std::abs(springs)) : 0;
@@ -146,6 +208,7 @@ IslandJoints look_at(const SolveInput& input, std::size_t island) {
 void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, float deepest) {
   islands_.clear();
   watched_.clear();
+  starts_.clear();
   const bool any_deep = deepest < 0 && deepest < -tuning::deep_overlap * min_size(input, group);
   for (std::size_t island = group.begin; island < group.end; ++island) {
     const std::size_t first = watched_.size();
@@ -169,14 +232,19 @@ void PassiveEnergy::begin(const SolveInput& input, const IslandGroup& group, flo
     const double moving = kinetic_energy(input.bodies, std::span(watched_).subspan(first)) + stored.rotors;
     const double more = joined ? tuning::held_tolerance * moving : 0;
     islands_.push_back({.island = island,
-                        .overlaps = overlaps,
                         .stores = joints.stores,
                         .max = energy_of(input, island, stored) + more + joints.given,
-                        .height = overlaps ? height_of(input, bodies, 0) : 0,
                         .moving = moving,
                         .springs = stored.potential,
                         .first = first,
-                        .end = watched_.size()});
+                        .end = watched_.size(),
+                        .starts = starts_.size()});
+    if (input.islands.contact_count(island) == 0) continue;
+    for (const std::uint32_t body : bodies) {
+      starts_.push_back({{input.bodies.position(body), input.bodies.orientation(body)},
+                         input.bodies.velocity(body),
+                         input.bodies.angular_velocity(body)});
+    }
   }
 }
 
@@ -186,13 +254,14 @@ void PassiveEnergy::bound(const SolveInput& input) const {
     const auto watched = std::span(watched_).subspan(of.first, of.end - of.first);
     const double moving = kinetic_energy(input.bodies, watched) + stored.rotors;
     const double passed_on = exchanged(moving - of.moving, stored.potential - of.springs);
-    // Who is pushed out of an overlap is lifted for nothing.
-    const double lifted =
-        of.overlaps ? std::max(0.0, height_of(input, input.islands.bodies(of.island, of.island + 1), 0) - of.height)
-                    : 0;
-    const double gained =
-        energy_of(input, of.island, stored) - of.max - tuning::exchange_tolerance * passed_on - lifted;
+    double gained = energy_of(input, of.island, stored) - of.max - tuning::exchange_tolerance * passed_on;
     if (!(gained > 0)) continue;
+    if (input.islands.contact_count(of.island) > 0) {
+      const auto bodies = input.islands.bodies(of.island, of.island + 1);
+      const auto starts = std::span(starts_).subspan(of.starts, bodies.size());
+      gained -= std::min(work_of_parting(input, of.island, starts), lift(input, bodies, starts));
+      if (!(gained > 0)) continue;
+    }
     const Momentum momentum = is_alone(input, of.island) ? Momentum::Keep : Momentum::Take;
     slow_down(input.bodies, watched, momentum, gained, stored.rotors);
   }

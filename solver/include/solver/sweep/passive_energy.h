@@ -18,11 +18,15 @@ namespace atl::solver {
 ///   direction.
 /// - all in an island in which none of these are, and two overlap by more than tuning::deep_overlap of the smaller
 ///   one's inner radius. Each of many overlaps in a row pushes apart at its own speed, which the sweeps that take that
-///   back don't get to the end of. What they lift, they lift for nothing. Baumgarte's pushes are left as they are.
+///   back don't get to the end of. Baumgarte's pushes are left as they are.
 /// - all in islands with joints that touch something. What an impact took to stop a heavy link is carried over into the
 ///   next substep, in which nothing is to be stopped, and the few sweeps of that don't take all of it back.
 /// - all in islands of swept joints that only hold. Bodies turn after joints have seen their inertia, and gaps close at
 ///   speeds that lift what they move.
+///
+/// Contacts lift for nothing what they push out of an overlap: where one is stiffer than before, as in a shorter
+/// substep, or began too deep. That work is given: the force of each contact by how far it parts, and no more than what
+/// rises in the step gains in height. What is struck is lifted by its own motion, and counts as nothing.
 class PassiveEnergy {
  public:
   /// Records the energies before a group's step. `deepest` (m): no contact's separation is below, if that is known.
@@ -31,22 +35,29 @@ class PassiveEnergy {
   /// Bounds them after it, once bodies have their new poses and velocities.
   void bound(const SolveInput& input) const;
 
+  /// A body as the step begins.
+  struct BodyStart {
+    BodyPose pose;
+    Vector3 velocity;  ///< m/s
+    Vector3 spin;      ///< rad/s
+  };
+
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(islands_, watched_); }
+  auto arrays() const { return std::tie(islands_, watched_, starts_); }
 
  private:
   struct Island {
     std::size_t island;
-    bool overlaps;           // which is all that it is watched for
     bool stores;             // some joint has energy of its own
     double max;              // J, as its step may end
-    double height;           // J, in forces on its bodies, as it began; if it overlaps
     double moving, springs;  // J, of motion and in springs and servos, as it began
     std::size_t first, end;  // of its bodies that are watched
+    std::size_t starts;      // where those of its bodies begin, if something touches
   };
 
   std::vector<Island> islands_;
   std::vector<std::uint32_t> watched_;  // bodies
+  std::vector<BodyStart> starts_;       // of all bodies of islands that touch something, as the step begins
 };
 
 }  // namespace atl::solver
