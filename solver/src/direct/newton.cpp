@@ -136,13 +136,25 @@ bool minimise(IslandProblem& problem, BalanceSearch& search, int follows) {
   }
 }
 
-// Tells a contact that sticks by no more than its own load bounds friction to, or slides by just that.
-bool rubs_as_loaded(const DirectContact& contact) {
-  const double most = contact.friction * contact.answer.load(), bound = contact.law.friction_bound;
-  const double tolerance = tuning::friction_tolerance * most;
+// N s, that a contact's own load bounds friction to.
+double rubs_most(const DirectContact& contact) { return contact.friction * contact.answer.load(); }
+
+// Tells a contact that sticks by no more than that, or slides by just as much, but for a tolerance (N s).
+bool rubs_as_loaded(const DirectContact& contact, double tolerance) {
+  const double most = rubs_most(contact);
   const double f1 = contact.answer.friction[0], f2 = contact.answer.friction[1] / contact.law.friction_ratio;
   const double rubs = contact.law.pyramid ? std::max(std::abs(f1), std::abs(f2)) : std::hypot(f1, f2);
-  return rubs <= most + tolerance && (contact.answer.pieces.slides == 0 || bound >= most - tolerance);
+  if (rubs > most + tolerance) return false;
+  return contact.answer.pieces.slides == 0 || contact.law.friction_bound >= most - tolerance;
+}
+
+// Tells if friction of all contacts goes by their own loads, but for a part of the largest there is.
+bool rub_as_loaded(const std::vector<DirectContact>& contacts) {
+  double largest = 0;
+  for (const DirectContact& contact : contacts) largest = std::max(largest, rubs_most(contact));
+  const double tolerance = tuning::friction_tolerance * largest;
+  return std::all_of(contacts.begin(), contacts.end(),
+                     [&](const DirectContact& contact) { return rubs_as_loaded(contact, tolerance); });
 }
 
 bool go_to_end_of_last_pieces(IslandProblem& problem, BalanceSearch& search) {
@@ -163,16 +175,16 @@ void balance_on_last_pieces(IslandProblem& problem, std::vector<double>& gradien
 }
 
 // The bounds that a solution was found with may be those of loads that it hasn't: on its way a point that is a few um/s
-// too deep pushes with a thousand times its load. Bounds follow until no contact rubs by more or less than its own load
-// tells.
+// too deep pushes with a thousand times its load. Bounds follow, for some rounds, until no contact rubs by more or less
+// than its own load tells.
 bool solve_by_newton(IslandProblem& problem, BalanceSearch& search) {
   if (!solve_on_last_pieces(problem, search) || !minimise(problem, search, tuning::following)) return false;
   for (int round = 0; round < tuning::friction_rounds; ++round) {
     for (DirectContact& contact : problem.contacts) contact.bound_friction(contact.answer.load());
     if (!minimise(problem, search, round == 0 ? 1 : 0)) return false;
-    if (std::all_of(problem.contacts.begin(), problem.contacts.end(), rubs_as_loaded)) return true;
+    if (rub_as_loaded(problem.contacts)) return true;
   }
-  return false;
+  return true;
 }
 
 bool solve_on_last_pieces(IslandProblem& problem, BalanceSearch& search) {

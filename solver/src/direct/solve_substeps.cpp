@@ -348,14 +348,18 @@ bool Substeps::find_impacts() {
   return true;
 }
 
-// True if a solution makes energy from the free velocities. Locks that foresee a bend go there along a chord, which is
-// longer than the way along the row by a part that the projection takes back.
+// True if a solution makes energy from the free velocities. Where what joints hang on moves, so do arms with it all the
+// time. Locks that foresee a bend then go along a chord, longer than the way along the row by a part that the
+// projection takes back, and that is no gain. Where it stands, arms that turn as fast whip, and mechanisms gain 6%
+// without.
 bool Substeps::makes_energy(const std::vector<double>& velocity, Rotors rotors) const {
   double given = work_of_bases(
       problem_, [](const DirectJoint& joint) -> const auto& { return joint.impulse; });
-  for (const DirectJoint& joint : problem_.joints) {
-    for (std::size_t r = 0; r < joint.rows; ++r) {
-      if (joint.law[r].locked) given -= 0.5 * joint.impulse[r] * joint.bend[r];
+  if (given != 0) {
+    for (const DirectJoint& joint : problem_.joints) {
+      for (std::size_t r = 0; r < joint.rows; ++r) {
+        if (joint.law[r].locked) given -= 0.5 * joint.impulse[r] * joint.bend[r];
+      }
     }
   }
   return gains_energy(input_.joints, problem_, bodies_, given, problem_.free, velocity, rotors);
