@@ -20,7 +20,7 @@ namespace atl::solver {
 ///
 /// with v* the velocities without them and -psi' their impulses (Todorov, "Convex and analytically-invertible dynamics
 /// with contacts and constraints", ICRA 2014; Castro, Permenter and Han, "An unconstrained convex formulation of
-/// compliant contact", T-RO 2022). Friction's bound is given while that is solved (see friction_bounds.cpp).
+/// compliant contact", T-RO 2022). Friction's bound is given while that is solved (see solve_by_newton()).
 struct IslandProblem {
   std::vector<DirectBody> bodies;
   std::vector<DirectContact> contacts;
