@@ -79,7 +79,7 @@ TEST(PendulumEnergy, IsBoundedHoweverItWhips) {
   EXPECT_LT(energy_drift(std::numbers::pi / 2, 64, seconds()), 0.05);
 }
 
-// Where a pendulum is after two seconds, seen from what it hangs on, which moves at a constant velocity.
+// The place of a pendulum after two seconds, seen from what it hangs on, which moves at a constant velocity.
 Vector3 swung_on(const Vector3& velocity, int substeps) {
   World world({.settings = {.substeps = substeps}});
   const BodyType type = velocity.isZero() ? BodyType::Static : BodyType::Kinematic;

@@ -174,7 +174,7 @@ double ContinuousCollision::first_hit(const CcdStep& step, const FastBody& fast,
       const Core core = core_of(shape);
       const bool overlaps = sweep_core(core);
       if (approach.both_stop && !only_deep) {
-        // What stops the other one stops this one too: it would else end beyond it.
+        // The other's stop holds for this one too, which would end beyond it otherwise.
         const Core other_core = core_of(colliders.shape[other]);
         const Motion other_core_motion = step.motion_of(other, other_core.centre, Vector3::Zero());
         const bool meets = sweep(other_core.shape, other_core_motion, shape, motion, {0, tolerance}, first, hit);

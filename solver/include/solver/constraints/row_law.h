@@ -37,8 +37,8 @@ struct LinearForce {
   double at(double position, double rate) const { return beside - square_of_omega * (position - rest) - decay * rate; }
 };
 
-/// A spring and a servo together, on a coordinate of such a mass (kg or kg m^2). A servo that gives all the force it has
-/// is no spring: it pulls alike wherever the coordinate goes.
+/// A spring and a servo together, on a coordinate of such a mass (kg or kg m^2). A servo that gives all the force it
+/// has is no spring: it pulls alike wherever the coordinate goes.
 LinearForce force_on(const Law& law, const JointRow& at, double mass, bool servo_at_bound);
 /// Tells a spring that is too fast for steps of h seconds on a coordinate of such a mass (kg or kg m^2).
 bool has_stiff_spring(const Law& law, const JointRow& at, double mass, double h);

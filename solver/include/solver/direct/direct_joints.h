@@ -57,7 +57,7 @@ class DirectJoints {
                    const std::vector<double>& velocities);
 
   const IslandProblem& problem() const { return motions_.problem; }
-  /// Of its bodies among the solver's.
+  /// Places of its bodies among the solver's.
   std::span<const std::uint32_t> places() const { return places_; }
 
   /// Closes the joints once poses have been written back, writes impulses, forces and limits to the joints, and records
