@@ -36,10 +36,12 @@ struct JointRange {
   bool operator==(const JointRange&) const = default;
 };
 
-/// A damped spring that pulls a coordinate to its rest. Any stiffness is stable. Without damping no energy is lost; but
-/// among swept joints, a spring that would close more than 0.3 of its way in a substep is damped until it doesn't.
-/// Given either as a frequency, with the two bodies' effective mass along the coordinate as they are at the time, as if
-/// nothing else held them; or, with `stiffness` or `damping`, as a force linear in offset and speed.
+/// A damped spring that pulls a coordinate to its rest. Any stiffness is stable where joints are solved at once, and of
+/// a swept joint alone. Without damping no energy is lost; but among swept joints, a spring that would close more than
+/// 0.3 of its way in a substep is damped until it doesn't, and chains of three and more whose springs are stiff for all
+/// that they carry want more substeps, or JointSolver::Auto. Given either as a frequency, with the two bodies'
+/// effective mass along the coordinate as they are at the time, as if nothing else held them; or, with `stiffness` or
+/// `damping`, as a force linear in offset and speed.
 struct JointSpring {
   double hertz = 1;                      ///< > 0
   double damping_ratio = 1;              ///< >= 0; 1 is critical
