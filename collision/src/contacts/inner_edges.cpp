@@ -54,6 +54,18 @@ std::uint32_t mover_of(const Contact& contact, const Ground& ground) {
 
 Vector3 vector_of(const float* v) { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); }
 
+// Calls visit(normal, offset) for the faces of a solid that has only flat ones.
+template <typename Visit>
+void each_face(const Shape& shape, const Visit& visit) {
+  if (shape.kind == ShapeKind::Box) {
+    for (int k = 0; k < 3; ++k) {
+      for (const double side : {-1.0, 1.0}) visit(Vector3(side * Vector3::Unit(k)), shape.half_extents[k]);
+    }
+  } else if (shape.kind == ShapeKind::Hull) {
+    for (const Hull::Plane& plane : shape.hull->planes) visit(plane.normal, plane.offset);
+  }
+}
+
 // The normal of the face of a shape to which a direction, in its frame, is nearly normal.
 std::optional<Vector3> face_along(const Shape& shape, const Vector3& direction) {
   std::optional<Vector3> nearest;
@@ -63,12 +75,10 @@ std::optional<Vector3> face_along(const Shape& shape, const Vector3& direction) 
     max = normal.dot(direction);
     nearest = normal;
   };
-  if (shape.kind == ShapeKind::Box) {
-    for (int k = 0; k < 3; ++k) offer(std::copysign(1.0, direction[k]) * Vector3::Unit(k));
-  } else if (shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone) {
+  if (shape.kind == ShapeKind::Cylinder || shape.kind == ShapeKind::Cone) {
     offer(std::copysign(1.0, direction.z()) * Vector3::UnitZ());
-  } else if (shape.kind == ShapeKind::Hull) {
-    for (const Hull::Plane& plane : shape.hull->planes) offer(plane.normal);
+  } else {
+    each_face(shape, [&](const Vector3& normal, double) { offer(normal); });
   }
   return nearest;
 }
@@ -93,18 +103,6 @@ void each_point(const Contact& contact, const ContactManifold& manifold, const P
     visit(Vector3(centre + static_cast<double>(manifold.x[i]) * vector_of(frame.first.data()) +
                   static_cast<double>(manifold.y[i]) * vector_of(frame.second.data()) -
                   0.5 * static_cast<double>(manifold.separation[i]) * normal));
-  }
-}
-
-// Calls visit(normal, offset) for the faces of a solid that has only flat ones.
-template <typename Visit>
-void each_face(const Shape& shape, const Visit& visit) {
-  if (shape.kind == ShapeKind::Box) {
-    for (int k = 0; k < 3; ++k) {
-      for (const double side : {-1.0, 1.0}) visit(Vector3(side * Vector3::Unit(k)), shape.half_extents[k]);
-    }
-  } else if (shape.kind == ShapeKind::Hull) {
-    for (const Hull::Plane& plane : shape.hull->planes) visit(plane.normal, plane.offset);
   }
 }
 

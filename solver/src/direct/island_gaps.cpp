@@ -110,8 +110,7 @@ bool gain_by_closing(const Joint* joints, std::span<const MovingBody> bodies, do
   IslandProblem& problem = motions.problem;
   for (std::size_t i = 0; i < direction.size(); ++i) after[i] = motions.lasting[i] + scale * direction[i];
   const bool alone = problem.contacts.empty();
-  const double given = scale * work_of_bases(
-                                   problem, [](const DirectJoint& joint) -> const auto& { return joint.closing; });
+  const double given = scale * work_of_bases(problem, &DirectJoint::closing);
   if (gains_energy(joints, problem, bodies, given, motions.lasting, after, Rotors::Keep)) return false;
   for (DirectJoint& joint : problem.joints) {
     if (!alone || !joints[joint.joint].is_actuated()) continue;

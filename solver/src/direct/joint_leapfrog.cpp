@@ -252,6 +252,14 @@ void correct_kick(const Joint* joints, double h, int sign, IslandProblem& proble
   }
 }
 
+double work_of_bases(const IslandProblem& problem, DirectJoint::Rows<double> DirectJoint::*impulses) {
+  double sum = 0;
+  for (const DirectJoint& joint : problem.joints) {
+    for (std::size_t r = 0; r < joint.rows; ++r) sum -= (joint.*impulses)[r] * joint.given[r];
+  }
+  return sum;
+}
+
 bool gains_energy(const Joint* joints, const IslandProblem& problem, std::span<const MovingBody> bodies, double given,
                   const std::vector<double>& before, const std::vector<double>& after, Rotors rotors) {
   // J, from differences: most solves take energy, and no more is asked of these.

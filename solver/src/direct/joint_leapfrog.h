@@ -45,16 +45,8 @@ enum class Rotors : std::uint8_t {
   Pay,   ///< at these before, and after with the bodies
 };
 
-/// J: what bodies that move and don't respond give to the others by impulses along rows, `impulses(joint)`.
-template <typename Impulses>
-double work_of_bases(const IslandProblem& problem, const Impulses& impulses) {
-  double sum = 0;
-  for (const DirectJoint& joint : problem.joints) {
-    const DirectJoint::Rows<double>& of = impulses(joint);
-    for (std::size_t r = 0; r < joint.rows; ++r) sum -= of[r] * joint.given[r];
-  }
-  return sum;
-}
+/// J: what bodies that move and don't respond give to the others by such impulses along rows.
+double work_of_bases(const IslandProblem& problem, DirectJoint::Rows<double> DirectJoint::*impulses);
 
 /// True if the kinetic energy of bodies and armatures grows from one set of velocities to another by more than is
 /// given, J, and by more than the work of springs, servos and motors, with the problem's impulses, plus the part

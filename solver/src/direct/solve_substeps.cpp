@@ -353,8 +353,7 @@ bool Substeps::find_impacts() {
 // projection takes back, and that is no gain. Where it stands, arms that turn as fast whip, and mechanisms gain 6%
 // without.
 bool Substeps::makes_energy(const std::vector<double>& velocity, Rotors rotors) const {
-  double given = work_of_bases(
-      problem_, [](const DirectJoint& joint) -> const auto& { return joint.impulse; });
+  double given = work_of_bases(problem_, &DirectJoint::impulse);
   if (given != 0) {
     for (const DirectJoint& joint : problem_.joints) {
       for (std::size_t r = 0; r < joint.rows; ++r) {
