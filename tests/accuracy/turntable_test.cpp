@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "support/bodies.h"
 
@@ -73,6 +74,36 @@ TEST(Turntable, ARollingBallGoesRoundAtTwoSeventhsOfItsSpeed) {
     run(world, 120);
     const double angle = 2.0 / 7 * turns * 2;
     EXPECT_LT((world.velocity(id) - 0.5 * Vector3(std::cos(angle), std::sin(angle), 0)).norm(), 0.01);
+  }
+}
+
+// Friction of m w^2 r holds it on its circle. Contacts that didn't turn with the disc let it out by 3.6% in this time,
+// by 18% with one substep, and friction was told to point outwards.
+TEST(Turntable, KeepsWhatRidesOnATurningBodyWhereItIs) {
+  for (const ContactSolver solver : {ContactSolver::Auto, ContactSolver::Direct}) {
+    for (const int substeps : {1, 4}) {
+      for (const Shape& shape : {Shape(Box{Vector3::Constant(0.1)}), Shape(Cylinder{0.1, 0.1})}) {
+        World world({.settings = {.substeps = substeps, .contact_solver = solver}});
+        world.add_body({.type = BodyType::Kinematic,
+                        .shape = Box{{3, 3, 0.5}},
+                        .position = {0, 0, -0.5},
+                        .angular_velocity = {0, 0, 1},
+                        .material = {.friction = 0.8}});
+        const BodyId rider = world.add_body({.shape = shape,
+                                             .position = {1, 0, 0.1},
+                                             .velocity = {0, 1, 0},
+                                             .angular_velocity = {0, 0, 1},
+                                             .material = {.friction = 0.8}});
+        run(world, 1200);
+        const Vector3 place = world.pose(rider).position;
+        EXPECT_NEAR(place.head<2>().norm(), 1, 1e-3) << substeps;
+        EXPECT_NEAR(std::remainder(std::atan2(place.y(), place.x()) - 20, 2 * std::numbers::pi), 0, 1e-3) << substeps;
+        Vector3 held = Vector3::Zero();
+        for (const ContactForce& force : world.contact_forces()) held += (force.b == rider ? 1 : -1) * force.friction;
+        const Vector3 inwards = -world.mass(rider) * Vector3(place.x(), place.y(), 0);
+        EXPECT_LT((held - inwards).norm(), 0.03 * inwards.norm()) << substeps;
+      }
+    }
   }
 }
 

@@ -169,7 +169,8 @@ void face_manifold(const Solids& solids, const Reference& reference, const Local
   const Polytope& core = solids.core(!second);
   const int lowest =
       is_polytope(solids.shape(!second)) ? core.climb(vertex_of(core, second ? axis.first : axis.second), towards) : -1;
-  const int incident_face = incident_outline(solids.shape(!second), core, towards, outline, lowest);
+  const int incident_face =
+      incident_outline(solids.shape(!second), core, towards, margin - reference.separation, outline, lowest);
   for (int i = 0; i < outline.count; ++i) {
     Vector3& corner = outline.corners[static_cast<std::size_t>(i)].position;
     corner = position + rotation * corner;

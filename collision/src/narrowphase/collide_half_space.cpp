@@ -57,7 +57,7 @@ void collide_half_space(const Shape& solid_shape, const Shape& half_space, const
   core.build(solid_shape);
   const Polytope& polytope = core.polytope();
   Outline outline;
-  const int face = incident_outline(solid_shape, polytope, down, outline);
+  const int face = incident_outline(solid_shape, polytope, down, margin - lowest_height, outline);
   ATL_ASSERT(outline.count <= max_face_corners, outline.count);
   std::array<Manifold::Point, max_face_corners + 1> points;
   int count = 0;

@@ -89,9 +89,9 @@ void touch_face(const SurfaceSolid& solid, const Triangle& triangle, std::uint32
   face.number = 0;
   for (const Vector3& vertex : triangle.vertices) face.add(vertex);
   Outline outline;
-  const int incident = incident_outline(solid.shape, polytope, down, outline);
-  bool has_lowest = solid.shape.kind != ShapeKind::Hull;
   const double lowest = triangle.normal.dot(solid.support(Vector3(-triangle.normal)) - triangle.vertices[0]);
+  const int incident = incident_outline(solid.shape, polytope, down, margin - lowest, outline);
+  bool has_lowest = solid.shape.kind != ShapeKind::Hull;
   for (int i = 0; i < outline.count; ++i) {
     Vector3& corner = outline.corners[static_cast<std::size_t>(i)].position;
     corner = solid.placed(corner);

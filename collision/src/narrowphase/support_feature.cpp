@@ -37,8 +37,9 @@ SideNormal side_of_tapered(const Shape& shape) {
   return {std::sqrt((1 - up) * (1 + up)), up};
 }
 
-// Counter-clockwise seen from outside. Once tilted, the point nearest to the rim's farthest moves there.
-void disc_outline(double radius, double height, double inner_radius, bool up, const Vector3& direction,
+// Counter-clockwise seen from outside. Once tilted, the point nearest to the rim's farthest moves there. Others would
+// be in the way of a disc that rolls, as if it had corners.
+void disc_outline(double radius, double height, double inner_radius, bool up, const Vector3& direction, double reach,
                   Outline& outline) {
   const double tilt = length_2d(direction.x(), direction.y());
   int moved = -1;
@@ -47,19 +48,22 @@ void disc_outline(double radius, double height, double inner_radius, bool up, co
     double farthest = -1;
     for (int i = 0; i < rim_points; ++i) {
       const auto& p = rim[static_cast<std::size_t>(i)];
-      const double reach = p[0] * direction.x() + p[1] * direction.y();
-      if (reach <= farthest) continue;
-      farthest = reach;
+      const double far = p[0] * direction.x() + p[1] * direction.y();
+      if (far <= farthest) continue;
+      farthest = far;
       moved = i;
     }
   }
+  const bool alone = moved >= 0 && 2 * radius * tilt > reach;
   for (int i = 0; i < rim_points; ++i) {
     const int k = up ? i : (rim_points - i) % rim_points;
+    if (alone && k != moved) continue;
     const auto& p = rim[static_cast<std::size_t>(k)];
     const Vector3 position = k == moved ? Vector3(radius / tilt * direction.x(), radius / tilt * direction.y(), height)
                                         : Vector3(radius * p[0], radius * p[1], height);
-    const auto before = static_cast<std::uint16_t>((k + rim_points - 1) % rim_points);
-    const auto after = static_cast<std::uint16_t>(k);
+    // One that is alone goes along the rim and stays what it is.
+    const auto before = static_cast<std::uint16_t>(alone ? rim_points : (k + rim_points - 1) % rim_points);
+    const auto after = static_cast<std::uint16_t>(alone ? rim_points : k);
     outline.add(up ? OutlineCorner{position, before, after} : OutlineCorner{position, after, before});
   }
 }
@@ -159,8 +163,8 @@ void face_polygon(const Shape& shape, const Polytope& core, int number, FacePoly
   }
 }
 
-int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline,
-                     int vertex) {
+int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, double reach,
+                     Outline& outline, int vertex) {
   outline.count = 0;
   const double r = shape.radius;
   const double h = shape.half_height;
@@ -183,7 +187,7 @@ int incident_outline(const Shape& shape, const Polytope& core, const Vector3& un
     case ShapeKind::Cylinder: {
       const bool up = unit_direction.z() > 0;
       if (std::abs(unit_direction.z()) > outwards.dot(unit_direction)) {
-        disc_outline(r, up ? h : -h, shape.inner_radius, up, unit_direction, outline);
+        disc_outline(r, up ? h : -h, shape.inner_radius, up, unit_direction, reach, outline);
         return up ? 0 : 1;
       }
       outline.add_end(r * outwards - h * Vector3::UnitZ());
@@ -192,7 +196,7 @@ int incident_outline(const Shape& shape, const Polytope& core, const Vector3& un
     }
     case ShapeKind::Cone:
       if (-unit_direction.z() > cone_side_normal(shape, outwards).dot(unit_direction)) {
-        disc_outline(r, -h, shape.inner_radius, false, unit_direction, outline);
+        disc_outline(r, -h, shape.inner_radius, false, unit_direction, reach, outline);
         return 0;
       }
       outline.add_end(r * outwards - h * Vector3::UnitZ());

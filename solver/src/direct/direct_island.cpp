@@ -100,7 +100,7 @@ DirectIslandReport DirectIsland::solve(const SolveInput& input) {
   } else if (!load_contacts(input, members_, problem)) {
     report.why_not = "something bounces";
   } else {
-    report.solved = members_.joints.empty() ? solve_step(input, bodies_, motions_)
+    report.solved = members_.joints.empty() ? solve_step(input, members_, bodies_, motions_)
                                             : solve_substeps(input, members_, bodies_, motions_);
     if (!report.solved) report.why_not = "its search ended nowhere";
   }

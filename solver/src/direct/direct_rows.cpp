@@ -61,6 +61,10 @@ Six DirectContact::motion_at(const std::vector<double>& velocities) const {
   return there;
 }
 
+void DirectContact::give(const Vector3& velocity) {
+  for (int axis = 0; axis < 3; ++axis) given[along(axis)] += axes[axis].dot(velocity);
+}
+
 void DirectContact::add_impulse(const Six& impulse, double sign, std::vector<double>& to) const {
   const Vector3 force = impulse[0] * axes[0] + impulse[3] * axes[1] + impulse[4] * axes[2];
   const Vector3 couple = impulse[1] * axes[1] + impulse[2] * axes[2] + impulse[5] * axes[0];

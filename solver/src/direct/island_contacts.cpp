@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "direct/island_solves.h"
 #include "integrate/rows3.h"
@@ -16,9 +17,66 @@ namespace {
 // Part of a bound from which on an impulse counts as at the bound: 1 less the rounding of single precision.
 constexpr double at_bound = 1 - 1e-6;
 
-// The contact's frame, its arms, with `half_way` as they will be in the middle of the step, and what moves it that
-// doesn't respond.
-void load_frame(const SolveInput& input, bool half_way, DirectContact& contact) {
+// Where a manifold carries (m, from its middle), and the mean distance (m) of that from its points, both by what these
+// carried last or, where that is nothing, of the deepest.
+struct CentreOfLoad {
+  Vector3 place = Vector3::Zero();
+  double radius = 0;
+};
+
+// An edge on which a disc rolls is not in the middle of what else comes near, and doesn't hold it from turning on it.
+CentreOfLoad centre_of_load(const collision::ContactManifold& manifold) {
+  const collision::Tangents tangents = collision::tangents(manifold.normal);
+  std::array<double, collision::max_points> weights;
+  std::array<Vector3, collision::max_points> places;
+  double deepest = collision::no_point, sum = 0;
+  for (std::size_t i = 0; i < collision::max_points; ++i) {
+    deepest = std::min<double>(deepest, manifold.separation[i]);
+    weights[i] = manifold.separation[i] < collision::no_point ? collision::kept_impulse(manifold.normal_impulse[i]) : 0;
+    places[i] = manifold.x[i] * get3(tangents.first) + manifold.y[i] * get3(tangents.second);
+    sum += weights[i];
+  }
+  if (!(sum > 0)) {
+    for (std::size_t i = 0; i < collision::max_points; ++i) {
+      weights[i] = std::max(tuning::min_overlap - (manifold.separation[i] - deepest), 0.0);
+    }
+    sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  }
+  CentreOfLoad centre;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] > 0) centre.place += weights[i] / sum * places[i];
+  }
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] > 0) centre.radius += weights[i] / sum * (places[i] - centre.place).norm();
+  }
+  return centre;
+}
+
+// A body's side of a contact: its arm as the step begins, half way through it, and at its end.
+struct Side {
+  std::uint32_t body;
+  double sign;  // of its velocity in that of the contact
+  Vector3 start, half, end;
+  Vector3 velocity, spin, last_spin;
+
+  Vector3 speed() const { return velocity + spin.cross(start); }
+  // m/s: of the place where it is touched, which a round surface rolls along under itself.
+  Vector3 passes(double dt) const { return velocity + (end - start) / dt; }
+};
+
+// The place of a contact with something round is where that has rolled to, on the other body as well.
+void follow_round(const Vector3& normal, double dt, const Side& round, Side& other) {
+  const Vector3 over = round.passes(dt) - other.speed();
+  const Vector3 along = over - normal.dot(over) * normal;
+  other.half += 0.5 * dt * along;
+  other.end += dt * along;
+}
+
+// The contact's frame, and its arms. Velocities are to be kept by rows as they are at the end of the step, and impulses
+// act half way through it: then bodies that go on turning as they do neither lose energy nor gain any (the midpoint
+// rule of Hairer, Lubich and Wanner, "Geometric Numerical Integration", 2006, section II.1, for velocities that change
+// by impulses). Rows are those of half the way, and what they still come to be off is given.
+void load_frame(const SolveInput& input, const std::vector<DirectBody>& bodies, bool half_way, DirectContact& contact) {
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[contact.slot];
   const collision::Pair colliders = input.contacts[contact.slot].pair;
@@ -31,18 +89,45 @@ void load_frame(const SolveInput& input, bool half_way, DirectContact& contact) 
   ATL_ASSERT(!(std::abs(contact.axes[2].squaredNorm() - 1) > 1e-9), contact.slot, contact.axes[2].norm());
   contact.given = {};
   contact.line_turn = 0;
-  const auto load_side = [&](std::uint32_t body, std::uint32_t collider, const Vector3& anchor, double sign,
-                             ContactArm& on, Vector3& arm) {
-    on = contact_arm(table, body, *input.colliders, collider, anchor, -sign * normal);
-    const Vector3 turn = half_way ? half_turn(table, body, input.dt) : Vector3(Vector3::Zero());
-    arm = half_way ? turned_arm(on, turn, normal) : Vector3(on.pivot + on.rim);
-    if (!on.axis.isZero(0)) contact.line_turn = line_turn(on, turn, normal);
-    if (table.mobility[body] != Mobility::Kinematic) return;
-    contact.add_motion(sign, arm, table.velocity(body), table.angular_velocity(body), contact.given);
+  const auto revolves = [&](std::uint32_t body, std::uint32_t collider) {
+    return table.rolls[body] && collision::is_round(input.colliders->shape[collider].kind);
   };
-  load_side(contact.first_body, colliders.first, get3(manifold.anchor_first), -1, contact.on_first, contact.arm_first);
-  load_side(contact.second_body, colliders.second, get3(manifold.anchor_second), 1, contact.on_second,
-            contact.arm_second);
+  const bool rims = revolves(contact.first_body, colliders.first) || revolves(contact.second_body, colliders.second);
+  const CentreOfLoad load = rims ? centre_of_load(manifold) : CentreOfLoad{.radius = manifold.friction_radius};
+  contact.middle = load.place;
+  contact.radius = load.radius;
+  const auto load_side = [&](std::uint32_t body, std::uint32_t local, std::uint32_t collider, const Vector3& anchor,
+                             double sign, ContactArm& on) -> Side {
+    on = contact_arm(table, body, *input.colliders, collider, anchor, -sign * normal);
+    const Vector3 none = Vector3::Zero(), start = on.pivot + on.rim;
+    Side side{body, sign, start, start, start, none, none, none};
+    if (table.mobility[body] == Mobility::Fixed) return side;
+    side.velocity = table.velocity(body);
+    side.spin = table.angular_velocity(body);
+    if (!half_way) return side;
+    side.last_spin = local == no_body ? side.spin : Vector3(2 * bodies[local].spin - side.spin);
+    const Vector3 turn = local == no_body ? half_turn(table, body, input.dt) : bodies[local].half_turn;
+    side.half = turned_arm(on, turn, normal);
+    side.end = turned_arm(on, 2 * turn, normal);
+    if (!on.axis.isZero(0)) contact.line_turn = line_turn(on, turn, normal);
+    return side;
+  };
+  Side first = load_side(contact.first_body, contact.first, colliders.first,
+                         get3(manifold.anchor_first) + contact.middle, -1, contact.on_first);
+  Side second = load_side(contact.second_body, contact.second, colliders.second,
+                          get3(manifold.anchor_second) + contact.middle, 1, contact.on_second);
+  const bool round_first = !contact.on_first.rim.isZero(0), round_second = !contact.on_second.rim.isZero(0);
+  if (half_way && round_first && !round_second) follow_round(normal, input.dt, first, second);
+  if (half_way && round_second && !round_first) follow_round(normal, input.dt, second, first);
+  contact.arm_first = first.half;
+  contact.arm_second = second.half;
+  contact.approach = normal.dot(second.speed() - first.speed());
+  for (const Side& side : {first, second}) {
+    if (table.mobility[side.body] == Mobility::Kinematic) {
+      contact.add_motion(side.sign, side.half, side.velocity, side.spin, contact.given);
+    }
+    contact.give(side.sign * side.last_spin.cross(side.end - side.half));
+  }
 }
 
 // 1/kg and the like: how a contact's bodies answer impulses.
@@ -73,15 +158,15 @@ void load_points(const collision::ContactManifold& manifold, const ContactRespon
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   const collision::Tangents of_manifold = collision::tangents(manifold.normal);
   const auto in_axes = [&](double x, double y) -> std::array<double, 2> {
-    if (law.friction_ratio == 1) return {x, y};
-    const Vector3 place = x * get3(of_manifold.first) + y * get3(of_manifold.second);
+    if (law.friction_ratio == 1 && contact.middle.isZero(0)) return {x, y};
+    const Vector3 place = x * get3(of_manifold.first) + y * get3(of_manifold.second) - contact.middle;
     return {place.dot(contact.axes[1]), place.dot(contact.axes[2])};
   };
   for (int i = 0; i < collision::max_points; ++i) {
     if (manifold.separation[i] >= collision::no_point) continue;
     const int p = law.points++;
-    const auto [x, y] =
-        in_axes(cosine * (manifold.x[i] - tangent * manifold.y[i]), cosine * (manifold.y[i] + tangent * manifold.x[i]));
+    const auto [at_x, at_y] = in_axes(manifold.x[i], manifold.y[i]);
+    const double x = cosine * (at_x - tangent * at_y), y = cosine * (at_y + tangent * at_x);
     law.x[p] = x;
     law.y[p] = y;
     // (arm + x t1 + y t2) x n, of which t1 x n = -t2 and t2 x n = t1
@@ -192,11 +277,10 @@ void load_contact(const SolveInput& input, const TouchingPair& pair, const std::
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
   contact.friction = manifold.friction;
-  contact.radius = manifold.friction_radius;
   contact.rolling = contact.torsional = 0;
   contact.law = {};  // whatever was solved before must not show
   if (input.surface_contacts != nullptr) contact.law.friction_ratio = input.surface_contacts[pair.slot].ratio;
-  load_frame(input, half_way, contact);
+  load_frame(input, bodies, half_way, contact);
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
   load_points(manifold, response, contact);
   ATL_ASSERT(contact.law.points >= 1, pair.slot, pair.first, pair.second);
@@ -210,7 +294,8 @@ void load_contact(const SolveInput& input, const TouchingPair& pair, const std::
 
 bool bounces(const SolveInput& input, const DirectContact& contact, const std::vector<double>& velocity) {
   if (input.manifolds[contact.slot].restitution == 0) return false;
-  const Six motion = contact.motion_at(velocity);
+  Six motion = contact.motion_at(velocity);
+  motion[0] = contact.approach;
   for (int i = 0; i < contact.law.points; ++i) {
     if (contact.law.speed(i, motion) < -input.settings.restitution_threshold) return true;
   }
@@ -239,6 +324,16 @@ bool load_contacts(const SolveInput& input, const IslandMembers& members, Island
   guess_idle_contacts(at_once ? input.dt : input.substep(), problem);
   forget_rows(problem);
   return true;
+}
+
+void turn_contacts(const SolveInput& input, const IslandMembers& members, IslandProblem& problem) {
+  for (std::size_t c = 0; c < members.contacts.size(); ++c) {
+    DirectContact& contact = problem.contacts[c];
+    load_contact(input, members.contacts[c], problem.bodies, true, contact);
+    contact.answer = contact.lasting;
+    contact.bound_friction(contact.answer.load());
+  }
+  forget_rows(problem);
 }
 
 void place_contacts(const IslandPoses& poses, std::vector<DirectContact>& contacts) {

@@ -65,7 +65,7 @@ bool is_pushed(const IslandProblem& problem, const SolverSettings& settings) {
 // Tells islands in which some contact closes or parts fast.
 bool is_fast(const IslandProblem& problem) {
   return std::any_of(problem.contacts.begin(), problem.contacts.end(), [&](const DirectContact& contact) {
-    return std::abs(contact.motion_at(problem.velocity)[0]) > tuning::spread_speed;
+    return std::abs(contact.approach) > tuning::spread_speed;
   });
 }
 

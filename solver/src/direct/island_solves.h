@@ -11,8 +11,10 @@
 
 namespace atl::solver {
 
-/// Contacts alone: one solve for the step as a whole. Returns false, with no state changed, where that ends nowhere.
-bool solve_step(const SolveInput& input, const std::vector<MovingBody>& bodies, IslandMotions& motions);
+/// Contacts alone, for the step as a whole: one solve, and where bodies turn far others, each with the turn that the
+/// last one tells. Returns false, with no state changed, where one ends nowhere.
+bool solve_step(const SolveInput& input, const IslandMembers& members, const std::vector<MovingBody>& bodies,
+                IslandMotions& motions);
 
 /// Solves an island with joints in substeps of RATTLE (Andersen, "Rattle: a velocity version of the Shake algorithm",
 /// J. Comput. Phys. 1983), with the contacts in the system of the joints. Returns false, with no state changed, if a
@@ -47,6 +49,9 @@ bool settle_joints(const SolveInput& input, std::vector<MovingBody>& bodies, Isl
 /// Fills in the problem's contacts, for its bodies and their velocities. Returns false if one bounces: that wants the
 /// impact's speed.
 bool load_contacts(const SolveInput& input, const IslandMembers& members, IslandProblem& problem);
+
+/// Places contacts where they are half way through the step by the turns of the problem's bodies.
+void turn_contacts(const SolveInput& input, const IslandMembers& members, IslandProblem& problem);
 
 /// Separations at these poses. As sweeps see them: a contact stays where it was on its bodies as the step began, but
 /// where they roll, and its normal stays too.

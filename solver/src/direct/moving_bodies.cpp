@@ -56,6 +56,12 @@ double stiffness_of_rod(const Joint& of, const DirectJoint& joint) {
 
 }  // namespace
 
+void set_inertia_half_way(const BodyTable& table, DirectBody& body) {
+  const Matrix3 rotation = (rotation_by(body.half_turn) * table.orientation(body.body)).toRotationMatrix();
+  body.inertia = rotation * table.inertia[body.body] * rotation.transpose();
+  body.inverse_inertia = rotation * table.inverse_inertia[body.body] * rotation.transpose();
+}
+
 bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandProblem& problem,
                  std::vector<MovingBody>& bodies) {
   const BodyTable& table = input.bodies;
@@ -75,15 +81,15 @@ bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandPr
     DirectBody& of = problem.bodies[i];
     of.body = body;
     of.locks = table.locks[body];
+    of.spin = table.angular_velocity(body);
+    of.half_turn = joined ? Vector3::Zero() : half_turn(table, body, input.dt);
     take_mass(table, of);
     if (!joined && is_seen_heavier(table, body)) {
       const double swing = swing_in_contact(table, body, approach_speed(table, members, body), input.dt);
       of.inertia = inertia_in_contact(table, body, swing);
       of.inverse_inertia = inverse_inertia_in_contact(table, body, swing);
     } else if (!members.contacts.empty()) {  // which these are weighed with
-      const Matrix3 rotation = table.orientation(body).toRotationMatrix();
-      of.inertia = rotation * table.inertia[body] * rotation.transpose();
-      of.inverse_inertia = rotation * table.inverse_inertia[body] * rotation.transpose();
+      set_inertia_half_way(table, of);
     }
     of.radius = std::sqrt((joined ? table.inertia[body] : of.inertia).trace() / (3 * of.mass));
     ATL_ASSERT(of.radius > 0, body, of.radius);

@@ -1,3 +1,5 @@
+#include <solver/constraints/contact_arm.h>
+#include <solver/constraints/contact_inertia.h>
 #include <solver/tuning.h>
 
 #include <algorithm>
@@ -14,7 +16,7 @@ void free_velocities_of_step(const SolveInput& input, const std::vector<MovingBo
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const DirectBody& of = problem.bodies[i];
     const Vector3 spin = table.angular_velocity(of.body);
-    const Vector3 turning = of.inverse_inertia * (table.torque(of.body) - spin.cross(of.inertia * spin));
+    const Vector3 turning = of.inverse_inertia * (table.torque(of.body) - of.spin.cross(of.inertia * of.spin));
     auto velocity = linear_part(problem.free, i);
     auto angular = angular_part(problem.free, i);
     velocity = table.velocity(of.body);
@@ -27,36 +29,60 @@ void free_velocities_of_step(const SolveInput& input, const std::vector<MovingBo
 }
 
 // Marks (1, by body) the bodies that a contact stops on their way. By half of such a gain, as the trapezoidal rule has
-// it, a body would get into what it lands on.
-std::vector<std::uint8_t> find_landed(const IslandMotions& motions, const std::vector<double>& before) {
+// it, a body would get into what it lands on, by half of what it goes on by from there.
+std::vector<std::uint8_t> find_landed(const IslandMotions& motions, double dt) {
   std::vector<std::uint8_t> landed(motions.problem.bodies.size(), 0);
   for (const DirectContact& contact : motions.problem.contacts) {
     const auto& pushes = contact.lasting.normal;
     if (std::all_of(pushes.begin(), pushes.begin() + contact.law.points, [](double n) { return n <= 0; })) continue;
-    if (contact.motion_at(before)[0] >= -tuning::resting_speed) continue;
+    const auto& gaps = contact.start_separation;
+    const double gap = *std::min_element(gaps.begin(), gaps.begin() + contact.law.points);
+    if (-contact.approach * dt - std::max(gap, 0.0) <= 2 * tuning::min_overlap) continue;
     if (contact.first != no_body) landed[contact.first] = 1;
     if (contact.second != no_body) landed[contact.second] = 1;
   }
   return landed;
 }
 
-// Moves bodies by the trapezoidal rule where the change is steady. `before`: velocities as the step began.
+// The ways in which a body's velocity changes in the step.
+enum class Change : std::uint8_t {
+  Steadily,  // it moves by the mean of the first and the last
+  Lands,     // slowly; it moves by the last
+  Jumps,     // likewise, and nothing is foreseen
+};
+
+std::vector<Change> find_changes(const SolveInput& input, const std::vector<MovingBody>& bodies,
+                                 const IslandMotions& motions, const std::vector<double>& before) {
+  const std::vector<std::uint8_t> landed = find_landed(motions, input.dt);
+  std::vector<Change> changes(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3 gained = linear_part(motions.lasting, i) - linear_part(before, i);
+    const Vector3 gained_spin = angular_part(motions.lasting, i) - angular_part(before, i);
+    const double radius = input.bodies.radius[motions.problem.bodies[i].body];
+    // What turns also changes by its own motion.
+    const double turning = radius * angular_part(before, i).squaredNorm();
+    const double acceleration = bodies[i].acceleration.norm() + turning;
+    changes[i] = !changes_steadily(gained, gained_spin, acceleration, input.dt, radius) ? Change::Jumps
+                 : landed[i] != 0                                                       ? Change::Lands
+                                                                                        : Change::Steadily;
+  }
+  return changes;
+}
+
 void write_back_bodies(const SolveInput& input, const std::vector<MovingBody>& bodies, const IslandMotions& motions,
                        const std::vector<double>& before) {
   BodyTable& table = input.bodies;
-  const std::vector<std::uint8_t> landed = find_landed(motions, before);
+  const std::vector<Change> changes = find_changes(input, bodies, motions, before);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = motions.problem.bodies[i].body;
     const BodyPose& start = bodies[i].start;
     const Vector3 velocity = linear_part(motions.lasting, i);
     const Vector3 spin = angular_part(motions.lasting, i);
-    const Vector3 gained = velocity - table.velocity(body);
-    const Vector3 gained_spin = spin - table.angular_velocity(body);
     Vector3 moves = linear_part(motions.problem.velocity, i);
     Vector3 turns = angular_part(motions.problem.velocity, i);
-    if (!landed[i] && changes_steadily(gained, gained_spin, bodies[i].acceleration, input.dt, table.radius[body])) {
-      moves -= 0.5 * gained;
-      turns -= 0.5 * gained_spin;
+    if (changes[i] == Change::Steadily) {
+      moves -= 0.5 * (velocity - table.velocity(body));
+      turns -= 0.5 * (spin - table.angular_velocity(body));
     }
     table.velocity(body) = velocity;
     table.angular_velocity(body) = spin;
@@ -66,12 +92,43 @@ void write_back_bodies(const SolveInput& input, const std::vector<MovingBody>& b
   }
 }
 
+// Takes the turns of bodies from the solution, but for those that jump. Returns whether one differs from that which it
+// was found with.
+bool foresee_turns(const SolveInput& input, const std::vector<MovingBody>& bodies, const std::vector<double>& before,
+                   IslandMotions& motions) {
+  const BodyTable& table = input.bodies;
+  bool differs = false;
+  std::vector<Change> changes;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    DirectBody& body = motions.problem.bodies[i];
+    if (!turns_in_step(table, body.body, input.dt) || is_seen_heavier(table, body.body)) continue;
+    if (changes.empty()) changes = find_changes(input, bodies, motions, before);
+    if (changes[i] == Change::Jumps) continue;
+    const Vector3 last = angular_part(motions.lasting, i);
+    const Vector3 spin = changes[i] == Change::Lands ? last : Vector3(0.5 * (angular_part(before, i) + last));
+    const Vector3 half_turn = 0.5 * input.dt * spin;
+    differs |= (half_turn - body.half_turn).norm() > tuning::foreseen_turn;
+    body.spin = spin;
+    body.half_turn = half_turn;
+    set_inertia_half_way(table, body);
+  }
+  return differs;
+}
+
 }  // namespace
 
-bool solve_step(const SolveInput& input, const std::vector<MovingBody>& bodies, IslandMotions& motions) {
-  free_velocities_of_step(input, bodies, motions.problem);
-  const std::vector<double> before = motions.lasting = motions.problem.velocity;
-  if (!find_motions(motions, input.settings, input.dt, 0)) return false;
+bool solve_step(const SolveInput& input, const IslandMembers& members, const std::vector<MovingBody>& bodies,
+                IslandMotions& motions) {
+  IslandProblem& problem = motions.problem;
+  const std::vector<double> before = problem.velocity;
+  for (int round = 0;; ++round) {
+    free_velocities_of_step(input, bodies, problem);
+    motions.lasting = before;
+    if (!find_motions(motions, input.settings, input.dt, 0)) return false;
+    if (round == tuning::turn_rounds || !foresee_turns(input, bodies, before, motions)) break;
+    problem.velocity = before;
+    turn_contacts(input, members, problem);
+  }
   if (input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, input.dt, motions.problem);
   write_back_bodies(input, bodies, motions, before);
   if (input.pushed != nullptr) record_pushes(motions.problem, true, input.pushed);

@@ -49,11 +49,11 @@ void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum mo
   }
 }
 
-bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
+bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, double acceleration, double dt,
                       double radius) {
   constexpr double steady = 4;
-  const double max = steady * dt * steady * dt * acceleration.squaredNorm();
-  return gained.squaredNorm() <= max && gained_spin.squaredNorm() * radius * radius <= max;
+  const double max = steady * dt * acceleration;
+  return gained.norm() <= max && radius * gained_spin.norm() <= max;
 }
 
 void record_motion(BodyTable& bodies, collision::MotionBounds& bounds, std::uint32_t body, const BodyPose& start,

@@ -1,5 +1,7 @@
 #include <jobs/assert.h>
 #include <jobs/scratch.h>
+#include <solver/constraints/contact_arm.h>
+#include <solver/constraints/surface_contact.h>
 #include <solver/select/joint_selection.h>
 #include <solver/select/solver_selection.h>
 #include <solver/tuning.h>
@@ -50,7 +52,6 @@ bool is_fast(const BodyTable& bodies, std::uint32_t body, double min) {
 bool lands(const LoadInput& input, std::size_t island) {
   const Islands& islands = input.islands;
   const BodyTable& bodies = input.bodies;
-  if (islands.body_count(island) > 1) return false;
   // Slower landings don't count.
   const double gained = input.gravity.norm() * input.dt;
   if (!(gained > 0) || !is_fast(bodies, islands.bodies(island, island + 1).front(), gained)) return false;
@@ -63,7 +64,7 @@ bool lands(const LoadInput& input, std::size_t island) {
     for (std::size_t i = 0; i < collision::max_points; ++i) {
       leans |= manifold.normal_impulse[i] > 0;
       const double gap = manifold.separation[i];
-      if (reaches || gap <= 0 || gap >= collision::no_point) continue;
+      if (reaches || manifold.normal_impulse[i] > 0 || gap <= 0 || gap >= collision::no_point) continue;
       const Vector3 off = manifold.x[i] * get3(tangents.first) + manifold.y[i] * get3(tangents.second);
       const Vector3 first = bodies.velocity_at(pair.first, get3(manifold.anchor_first) + off);
       const Vector3 second = bodies.velocity_at(pair.second, get3(manifold.anchor_second) + off);
@@ -72,6 +73,26 @@ bool lands(const LoadInput& input, std::size_t island) {
     }
   }
   return leans && reaches;
+}
+
+// What was put to touch does so before it has carried anything.
+bool leans_on(const collision::ContactManifold& manifold) {
+  if (has_impulse(manifold)) return true;
+  if (manifold.restitution > 0) return false;
+  const auto& gaps = manifold.separation;
+  return std::any_of(std::begin(gaps), std::end(gaps), [](double gap) { return gap <= tuning::min_overlap; });
+}
+
+// True if a body that is alone on its island leans on something, and it or that turns in the step, so that their
+// contact comes to be elsewhere: a coin that rolls, a top, a box on a turntable. Solved at once, contacts follow such
+// turns to second order.
+bool turns(const LoadInput& input, std::size_t island) {
+  if (has_locks(input, island)) return false;
+  const auto is_turning = [&](std::uint32_t body) { return turns_in_step(input.bodies, body, input.dt); };
+  const std::span<const TouchingPair> contacts = input.islands.contacts(island, island + 1);
+  return std::any_of(contacts.begin(), contacts.end(), [&](const TouchingPair& pair) {
+    return leans_on(input.manifolds[pair.slot]) && (is_turning(pair.first) || is_turning(pair.second));
+  });
 }
 
 }  // namespace
@@ -105,7 +126,7 @@ void SolverSelection::restore(std::uint32_t body, const Finding& finding) {
 std::span<const SolveMode> SolverSelection::choose(const LoadInput& input, jobs::Arena& arena) {
   refused_.clear();
   find_joined(input, true);
-  find_landings(input);
+  find_motions(input);
   const Islands& islands = input.islands;
   start_modes(islands);
   arena.parallel_for(islands.count(), load_grain, [&](std::size_t begin, std::size_t end) {
@@ -115,6 +136,9 @@ std::span<const SolveMode> SolverSelection::choose(const LoadInput& input, jobs:
   });
   for (const std::size_t island : landings_) {
     if (modes_[island] == SolveMode::Sweep) modes_[island] = SolveMode::Landing;
+  }
+  for (const std::size_t island : turning_) {
+    if (modes_[island] == SolveMode::Sweep) modes_[island] = SolveMode::Direct;
   }
   const bool any = std::any_of(modes_.begin(), modes_.end(), [](SolveMode mode) { return mode != SolveMode::Sweep; });
   return any ? std::span<const SolveMode>(modes_) : std::span<const SolveMode>();
@@ -144,10 +168,15 @@ SolveMode SolverSelection::mode_by_load(const LoadInput& input, std::size_t isla
   return mode;
 }
 
-void SolverSelection::find_landings(const LoadInput& input) {
+// Finds what a body alone on its island does in this step.
+void SolverSelection::find_motions(const LoadInput& input) {
   landings_.clear();
+  turning_.clear();
   for (std::size_t island = 0; island < input.islands.count(); ++island) {
+    if (input.islands.body_count(island) > 1 || input.islands.contact_count(island) == 0) continue;
     if (lands(input, island)) landings_.push_back(island);
+    const std::uint32_t body = input.islands.bodies(island, island + 1).front();
+    if (findings_[body].swept == 0 && turns(input, island)) turning_.push_back(island);
   }
 }
 
@@ -178,6 +207,7 @@ void SolverSelection::start_modes(const Islands& islands) {
 std::span<const SolveMode> SolverSelection::choose_untouched(const LoadInput& input) {
   forget_all();
   landings_.clear();
+  turning_.clear();
   refused_.clear();
   find_joined(input, false);
   if (joined_.empty()) return {};
@@ -237,6 +267,7 @@ bool SolverSelection::is_pushed_on(const LoadInput& input, std::size_t island) {
 std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input) {
   forget_all();
   landings_.clear();
+  turning_.clear();
   refused_.clear();
   find_joined(input, false);
   const Islands& islands = input.islands;
@@ -267,6 +298,7 @@ const char* SolverSelection::why(std::size_t island) const {
     case SolveMode::Refined:
       return "it sags under its own weight";
     default:
+      if (std::binary_search(turning_.begin(), turning_.end(), island)) return "it turns on what it leans on";
       return "contacts give way under what they carry";
   }
 }

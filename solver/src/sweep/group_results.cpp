@@ -25,7 +25,8 @@ void write_back(const SolveInput& input, const GroupParts& parts, std::span<cons
     const Vector3 acceleration = get3(rows.acceleration[local].linear);
     const BlowRows blow = rows.blow.empty() ? BlowRows{} : rows.blow[local];
     const Vector3 pulled = gained - get3(blow.linear), pulled_spin = gained_spin - get3(blow.angular);
-    const bool shifts = !is_joined && changes_steadily(pulled, pulled_spin, acceleration, input.dt, table.radius[body]);
+    const bool shifts =
+        !is_joined && changes_steadily(pulled, pulled_spin, acceleration.norm(), input.dt, table.radius[body]);
     // In free flight spin changes by tumbling, which has its own integrator: only the position is shifted.
     const bool flies = (pulled - input.dt * acceleration).squaredNorm() <= 1e-6 * pulled.squaredNorm();
     table.velocity(body) += gained;

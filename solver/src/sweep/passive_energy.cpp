@@ -154,7 +154,7 @@ double lift(const SolveInput& input, std::span<const std::uint32_t> bodies, std:
     const Vector3 acceleration = linear_acceleration(table, body, input.gravity);
     const Vector3 gained = table.velocity(body) - starts[i].velocity;
     const Vector3 gained_spin = table.angular_velocity(body) - starts[i].spin;
-    if (!changes_steadily(gained, gained_spin, acceleration, input.dt, table.radius[body])) continue;
+    if (!changes_steadily(gained, gained_spin, acceleration.norm(), input.dt, table.radius[body])) continue;
     const Vector3 risen = table.position(body) - starts[i].pose.position;
     sum += std::max(0.0, -acceleration.dot(risen) / table.inverse_mass[body]);
   }

@@ -30,11 +30,12 @@ void face_polygon(const Shape& shape, const Polytope& core, int number, FacePoly
 
 /// Finds the outline of a solid that is clipped against a reference face: the face that looks most directly along a
 /// direction or, for round shapes, the line on the side that does; else the farthest corner, which is the solid's
-/// farthest point. A disc becomes eight points of its rim, which stay the same as long as it lies flat. For a box or a
-/// hull, a `vertex` that is farthest along the direction limits the choice to the faces that meet there. Returns the
-/// number of the face: that of a flat face, or 2 for a line on the side.
-int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, Outline& outline,
-                     int vertex = -1);
+/// farthest point. A disc becomes eight points of its rim, which stay the same as long as it lies flat; one that is
+/// tilted by so much that its other side lies more than `reach` (m) back touches, and rolls, on its farthest point
+/// alone. For a box or a hull, a `vertex` that is farthest along the direction limits the choice to the faces that meet
+/// there. Returns the number of the face: that of a flat face, or 2 for a line on the side.
+int incident_outline(const Shape& shape, const Polytope& core, const Vector3& unit_direction, double reach,
+                     Outline& outline, int vertex = -1);
 
 /// The line on the side of a capsule, plain or tapered, cylinder or cone that looks along a direction.
 struct SideLine {

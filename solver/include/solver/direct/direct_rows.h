@@ -33,6 +33,8 @@ struct DirectBody {
   Vector3 inverse_mass;     ///< 1/kg, along the world's axes: 0 along those that are locked
   Matrix3 inertia;          ///< kg m^2, world frame
   Matrix3 inverse_inertia;  ///< likewise, on the axes that it may turn about
+  Vector3 spin;             ///< rad/s, half way through the step, as far as it is foreseen
+  Vector3 half_turn;        ///< rad, until then; zero where contacts don't move with the body
 
   /// Sets the mass, and its inverse along the axes that are free.
   void weigh(double mass_now, double inverse);
@@ -56,8 +58,9 @@ struct DirectContact {
   std::uint32_t first_body, second_body;  ///< of the world
   std::uint32_t first, second;            ///< bodies of the problem, or no_body
   std::array<Vector3, 3> axes;            ///< normal, tangents
-  Vector3 arm_first, arm_second;          ///< m, from the centres of mass, when the velocities are found
+  Vector3 arm_first, arm_second;          ///< m, from the centres of mass, half way through what is solved for
   ContactArm on_first, on_second;         ///< as the step begins
+  Vector3 middle;                         ///< m, from that of its points: where it carries, of what rolls on a rim
   double line_turn;                       ///< rad, until the middle of the step, of what touches along a line
   double friction, rolling, torsional;    ///< of what the points push with: 1, m, m
   double radius;                          ///< m, at which friction acts about the normal
@@ -66,6 +69,7 @@ struct DirectContact {
   Points separation;        ///< m
   Points start_separation;  ///< m, as the step began
   Six given;                ///< motion by what doesn't respond
+  double approach;          ///< m/s, along the normal, of velocities and arms as the step begins
   Six motion;               ///< at the velocities of the problem
   Six change;               ///< along its search direction
   ContactAnswer answer;
@@ -80,6 +84,8 @@ struct DirectContact {
   Six motion_at(const std::vector<double>& velocities) const;
   /// Adds `sign` times an impulse on the second body, in the contact's frame, to the momenta of both.
   void add_impulse(const Six& impulse, double sign, std::vector<double>& to) const;
+  /// Adds a velocity at the contact, world frame, to what doesn't respond.
+  void give(const Vector3& velocity);
   bool fixed() const { return first == no_body || second == no_body; }  ///< against something of infinite mass
   void bound_friction(double load);
   Six motion_after(double t) const;  ///< of the way along the search direction

@@ -27,6 +27,9 @@ struct MovingBody {
 bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandProblem& problem,
                  std::vector<MovingBody>& bodies);
 
+/// Sets the inertia of a body in a step, which it has half way through it.
+void set_inertia_half_way(const BodyTable& table, DirectBody& body);
+
 /// Sets the bodies' own inertia at the present poses.
 void turn_inertia(std::span<MovingBody> bodies);
 

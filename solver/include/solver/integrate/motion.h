@@ -57,9 +57,8 @@ void slow_down(BodyTable& bodies, std::span<const std::uint32_t> of, Momentum mo
 /// not an impact. The limit is 4 times what the forces on it, mostly its weight, give it in a step: contacts return
 /// these forces several times if a body is pressed on or friction is high. After a steady change the trapezoidal rule
 /// applies: it moves the body by half the gain less than the last velocity does, to second order instead of first.
-/// `radius` in m.
-bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, const Vector3& acceleration, double dt,
-                      double radius);
+/// `acceleration` in m/s^2, `radius` in m.
+bool changes_steadily(const Vector3& gained, const Vector3& gained_spin, double acceleration, double dt, double radius);
 
 /// Keeps account of a body that has moved from `start` in a step of dt seconds: whether it may have used up its
 /// margins by the end of the next one, whether it was fast or is unsound, and where it started if it is joined to

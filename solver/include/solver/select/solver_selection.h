@@ -27,9 +27,9 @@ int refinement_of(const SolverSettings& settings, double dt);
 /// are parts of the bodies' size: tuning::column_penetration, tuning::overload_penetration and
 /// tuning::deep_penetration.
 ///
-/// Two things don't follow from loads: joints and contacts that would undo what the other did are solved at once, and a
-/// body that lands alone while it leans on something gets finer substeps in that step. An island that could not be
-/// solved at once is swept for tuning::failed_time.
+/// Three things don't follow from loads: joints and contacts that would undo what the other did are solved at once, so
+/// is a body that turns alone on what it leans on, and one that lands alone meanwhile gets finer substeps in that step.
+/// An island that could not be solved at once is swept for tuning::failed_time.
 class SolverSelection {
  public:
   /// Makes room for so many bodies. Must come before a choice in which something moves.
@@ -73,10 +73,12 @@ class SolverSelection {
   void restore(std::uint32_t body, const Finding& finding);
 
   /// See jobs/arrays.h.
-  auto arrays() const { return std::tie(findings_, failed_, modes_, joined_, landings_, is_on_system_, refused_); }
+  auto arrays() const {
+    return std::tie(findings_, failed_, modes_, joined_, landings_, turning_, is_on_system_, refused_);
+  }
 
  private:
-  void find_landings(const LoadInput& input);
+  void find_motions(const LoadInput& input);
   void find_joined(const LoadInput& input, bool touched);
   void start_modes(const Islands& islands);
   bool is_joined(std::size_t island) const;
@@ -87,13 +89,14 @@ class SolverSelection {
   // Lists the members that last from step to step, then (after the empty comment) scratch. A new member has to be put
   // into one of the two lists, or this doesn't compile.
   static void check_members(SolverSelection& selection) {
-    auto& [findings, failed, /**/ landings, joined, on_system, modes, refused] = selection;
+    auto& [findings, failed, /**/ landings, turning, joined, on_system, modes, refused] = selection;
     static_cast<void>(findings);
   }
 
   jobs::CompactArray<Finding> findings_;           // by body
   jobs::CompactArray<std::uint32_t> failed_;       // bodies that are swept for some time, in order
   jobs::CompactArray<std::size_t> landings_;       // islands in which something lands
+  jobs::CompactArray<std::size_t> turning_;        // those in which contacts turn far
   jobs::CompactArray<std::size_t> joined_;         // islands that are solved at once for the sake of their joints
   jobs::CompactArray<std::uint8_t> is_on_system_;  // by body of an island
   jobs::CompactArray<SolveMode> modes_;            // by island
