@@ -64,6 +64,16 @@ struct Side {
   Vector3 passes(double dt) const { return velocity + (end - start) / dt; }
 };
 
+// Tells surfaces of revolution that touch with their side or the edge of it, and don't lie on a flat end.
+bool stands_on_rim(const ContactArm& on, const Vector3& normal) {
+  const double along = on.axis.dot(normal);
+  return !on.axis.isZero(0) && 1 - along * along > tuning::min_lean;
+}
+
+bool is_rolled_on(const ContactArm& on, const Vector3& normal) {
+  return !on.rim.isZero(0) && (on.axis.isZero(0) || stands_on_rim(on, normal));
+}
+
 // The place of a contact with something round is where that has rolled to, on the other body as well.
 void follow_round(const Vector3& normal, double dt, const Side& round, Side& other) {
   const Vector3 over = round.passes(dt) - other.speed();
@@ -89,16 +99,9 @@ void load_frame(const SolveInput& input, const std::vector<DirectBody>& bodies, 
   ATL_ASSERT(!(std::abs(contact.axes[2].squaredNorm() - 1) > 1e-9), contact.slot, contact.axes[2].norm());
   contact.given = {};
   contact.line_turn = 0;
-  const auto revolves = [&](std::uint32_t body, std::uint32_t collider) {
-    return table.rolls[body] && collision::is_round(input.colliders->shape[collider].kind);
-  };
-  const bool rims = revolves(contact.first_body, colliders.first) || revolves(contact.second_body, colliders.second);
-  const CentreOfLoad load = rims ? centre_of_load(manifold) : CentreOfLoad{.radius = manifold.friction_radius};
-  contact.middle = load.place;
-  contact.radius = load.radius;
   const auto load_side = [&](std::uint32_t body, std::uint32_t local, std::uint32_t collider, const Vector3& anchor,
                              double sign, ContactArm& on) -> Side {
-    on = contact_arm(table, body, *input.colliders, collider, anchor, -sign * normal);
+    on = contact_arm(table, body, *input.colliders, collider, anchor + contact.middle, -sign * normal);
     const Vector3 none = Vector3::Zero(), start = on.pivot + on.rim;
     Side side{body, sign, start, start, start, none, none, none};
     if (table.mobility[body] == Mobility::Fixed) return side;
@@ -112,21 +115,36 @@ void load_frame(const SolveInput& input, const std::vector<DirectBody>& bodies, 
     if (!on.axis.isZero(0)) contact.line_turn = line_turn(on, turn, normal);
     return side;
   };
-  Side first = load_side(contact.first_body, contact.first, colliders.first,
-                         get3(manifold.anchor_first) + contact.middle, -1, contact.on_first);
-  Side second = load_side(contact.second_body, contact.second, colliders.second,
-                          get3(manifold.anchor_second) + contact.middle, 1, contact.on_second);
-  const bool round_first = !contact.on_first.rim.isZero(0), round_second = !contact.on_second.rim.isZero(0);
+  const auto load_sides = [&]() -> std::array<Side, 2> {
+    return {load_side(contact.first_body, contact.first, colliders.first, get3(manifold.anchor_first), -1,
+                      contact.on_first),
+            load_side(contact.second_body, contact.second, colliders.second, get3(manifold.anchor_second), 1,
+                      contact.on_second)};
+  };
+  contact.middle = Vector3::Zero();
+  contact.radius = manifold.friction_radius;
+  std::array<Side, 2> sides = load_sides();
+  if (stands_on_rim(contact.on_first, normal) || stands_on_rim(contact.on_second, normal)) {
+    const CentreOfLoad load = centre_of_load(manifold);
+    contact.middle = load.place;
+    contact.radius = load.radius;
+    sides = load_sides();
+  }
+  auto& [first, second] = sides;
+  const bool round_first = is_rolled_on(contact.on_first, normal);
+  const bool round_second = is_rolled_on(contact.on_second, normal);
   if (half_way && round_first && !round_second) follow_round(normal, input.dt, first, second);
   if (half_way && round_second && !round_first) follow_round(normal, input.dt, second, first);
   contact.arm_first = first.half;
   contact.arm_second = second.half;
   contact.approach = normal.dot(second.speed() - first.speed());
-  for (const Side& side : {first, second}) {
+  contact.ahead = contact.last_spin = Vector3::Zero();
+  for (const Side& side : sides) {
     if (table.mobility[side.body] == Mobility::Kinematic) {
       contact.add_motion(side.sign, side.half, side.velocity, side.spin, contact.given);
     }
-    contact.give(side.sign * side.last_spin.cross(side.end - side.half));
+    contact.ahead += side.sign * side.last_spin.cross(side.end - side.half);
+    contact.last_spin += side.sign * side.last_spin;
   }
 }
 
@@ -150,11 +168,24 @@ struct ContactResponse {
   }
 };
 
+// Tells contacts along a line.
+bool is_line(const collision::ContactManifold& manifold) {
+  return manifold.separation[1] < collision::no_point && manifold.separation[2] >= collision::no_point;
+}
+
+// Gives a contact what its arms and, of what touches along a line, the turn of that make of its motion until the end of
+// the step.
+void go_ahead(bool line, DirectContact& contact) {
+  contact.give(contact.ahead);
+  if (!line) return;
+  contact.given[1] += contact.line_turn * contact.axes[2].dot(contact.last_spin);
+  contact.given[2] -= contact.line_turn * contact.axes[1].dot(contact.last_spin);
+}
+
 void load_points(const collision::ContactManifold& manifold, const ContactResponse& response, DirectContact& contact) {
   ContactLaw& law = contact.law;
   // A load on one end of a line that lags behind the axis above it would drive the rolling.
-  const bool is_line = manifold.separation[1] < collision::no_point && manifold.separation[2] >= collision::no_point;
-  const double tangent = is_line ? contact.line_turn : 0;
+  const double tangent = is_line(manifold) ? contact.line_turn : 0;
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   const collision::Tangents of_manifold = collision::tangents(manifold.normal);
   const auto in_axes = [&](double x, double y) -> std::array<double, 2> {
@@ -177,6 +208,23 @@ void load_points(const collision::ContactManifold& manifold, const ContactRespon
     contact.mass[p] = 1 / k;
     contact.separation[p] = contact.start_separation[p] = manifold.separation[i];
   }
+}
+
+// True if a point comes to lie in the other body, from where it is on, at the speed at which it closes: the body is
+// stopped on its way, by however much.
+bool lands(const DirectContact& contact, bool line, const std::vector<double>& velocity, double dt) {
+  Six motion = contact.motion_at(velocity);
+  motion[0] = contact.approach;
+  if (line) {
+    const double about = motion[1];
+    motion[1] -= contact.line_turn * motion[2];
+    motion[2] += contact.line_turn * about;
+  }
+  for (int i = 0; i < contact.law.points; ++i) {
+    const double gap = std::max(contact.start_separation[i], 0.0);
+    if (-contact.law.speed(i, motion) * dt - gap > 2 * tuning::min_overlap) return true;
+  }
+  return false;
 }
 
 void load_friction(const SolverSettings& settings, const ContactResponse& response, DirectContact& contact) {
@@ -272,8 +320,9 @@ void guess_idle_contacts(double dt, IslandProblem& problem) {
   }
 }
 
-void load_contact(const SolveInput& input, const TouchingPair& pair, const std::vector<DirectBody>& bodies,
-                  bool half_way, DirectContact& contact) {
+void load_contact(const SolveInput& input, const TouchingPair& pair, const IslandProblem& problem, bool half_way,
+                  DirectContact& contact) {
+  const std::vector<DirectBody>& bodies = problem.bodies;
   const BodyTable& table = input.bodies;
   const collision::ContactManifold& manifold = input.manifolds[pair.slot];
   contact.friction = manifold.friction;
@@ -284,6 +333,9 @@ void load_contact(const SolveInput& input, const TouchingPair& pair, const std::
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
   load_points(manifold, response, contact);
   ATL_ASSERT(contact.law.points >= 1, pair.slot, pair.first, pair.second);
+  contact.lands = lands(contact, is_line(manifold), problem.velocity, input.dt);
+  // What lands moves by the velocities that it has then, along rows of half the way.
+  if (half_way && !contact.lands) go_ahead(is_line(manifold), contact);
   load_friction(input.settings, response, contact);
   if (input.surface_contacts == nullptr) return;
   SurfaceContact& surface = input.surface_contacts[pair.slot];
@@ -317,7 +369,7 @@ bool load_contacts(const SolveInput& input, const IslandMembers& members, Island
     contact.second_body = pair.second;
     contact.first = members.local(input, pair.first);
     contact.second = members.local(input, pair.second);
-    load_contact(input, pair, problem.bodies, at_once, contact);
+    load_contact(input, pair, problem, at_once, contact);
     warm_start(input, share, contact);
     if (bounces(input, contact, problem.velocity)) return false;
   }
@@ -329,7 +381,7 @@ bool load_contacts(const SolveInput& input, const IslandMembers& members, Island
 void turn_contacts(const SolveInput& input, const IslandMembers& members, IslandProblem& problem) {
   for (std::size_t c = 0; c < members.contacts.size(); ++c) {
     DirectContact& contact = problem.contacts[c];
-    load_contact(input, members.contacts[c], problem.bodies, true, contact);
+    load_contact(input, members.contacts[c], problem, true, contact);
     contact.answer = contact.lasting;
     contact.bound_friction(contact.answer.load());
   }

@@ -29,15 +29,13 @@ void free_velocities_of_step(const SolveInput& input, const std::vector<MovingBo
 }
 
 // Marks (1, by body) the bodies that a contact stops on their way. By half of such a gain, as the trapezoidal rule has
-// it, a body would get into what it lands on, by half of what it goes on by from there.
-std::vector<std::uint8_t> find_landed(const IslandMotions& motions, double dt) {
+// it, a body would get into what it lands on.
+std::vector<std::uint8_t> find_landed(const IslandMotions& motions) {
   std::vector<std::uint8_t> landed(motions.problem.bodies.size(), 0);
   for (const DirectContact& contact : motions.problem.contacts) {
     const auto& pushes = contact.lasting.normal;
+    if (!contact.lands) continue;
     if (std::all_of(pushes.begin(), pushes.begin() + contact.law.points, [](double n) { return n <= 0; })) continue;
-    const auto& gaps = contact.start_separation;
-    const double gap = *std::min_element(gaps.begin(), gaps.begin() + contact.law.points);
-    if (-contact.approach * dt - std::max(gap, 0.0) <= 2 * tuning::min_overlap) continue;
     if (contact.first != no_body) landed[contact.first] = 1;
     if (contact.second != no_body) landed[contact.second] = 1;
   }
@@ -53,7 +51,7 @@ enum class Change : std::uint8_t {
 
 std::vector<Change> find_changes(const SolveInput& input, const std::vector<MovingBody>& bodies,
                                  const IslandMotions& motions, const std::vector<double>& before) {
-  const std::vector<std::uint8_t> landed = find_landed(motions, input.dt);
+  const std::vector<std::uint8_t> landed = find_landed(motions);
   std::vector<Change> changes(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vector3 gained = linear_part(motions.lasting, i) - linear_part(before, i);

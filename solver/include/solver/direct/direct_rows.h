@@ -70,6 +70,9 @@ struct DirectContact {
   Points start_separation;  ///< m, as the step began
   Six given;                ///< motion by what doesn't respond
   double approach;          ///< m/s, along the normal, of velocities and arms as the step begins
+  Vector3 ahead;            ///< m/s, what arms come to make of the motion until the step's end
+  Vector3 last_spin;        ///< rad/s, of the bodies against each other at the step's end, as far as it is foreseen
+  bool lands;               ///< a point closes by more in the step than it is apart
   Six motion;               ///< at the velocities of the problem
   Six change;               ///< along its search direction
   ContactAnswer answer;
