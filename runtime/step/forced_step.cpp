@@ -1,5 +1,6 @@
 #include "step/forced_step.h"
 
+#include <features/with_joints.h>
 #include <features/with_recording.h>
 #include <jobs/assert.h>
 
@@ -131,25 +132,76 @@ void ForcedStep::apply(bool again) {
   }
 }
 
+// Where something touches, what rests is to rest: forces are those that the substep began with.
 void ForcedStep::make_up(double substep) {
-  for (Eigen::Index i = 0; i < now_.force_.cols(); ++i) {
-    const auto body = static_cast<std::uint32_t>(i);
-    if (!moves_freely(body)) continue;
-    const Vector3 force = now_.force_.col(i) - before_.force_.col(i);
-    const Vector3 torque = now_.torque_.col(i) - before_.torque_.col(i);
-    if (!force.allFinite() || !torque.allFinite()) continue;  // the next substep sees to it
-    apply_impulse(world_, body, 0.5 * substep * force, 0.5 * substep * torque);
+  before_.force_ = now_.force_ - before_.force_;
+  before_.torque_ = now_.torque_ - before_.torque_;
+  make_up_free(substep);
+  if constexpr (with_joints) make_up_joined(substep);
+}
+
+void ForcedStep::make_up_free(double substep) {
+  for (const std::uint32_t body : impl_.pipeline.islands().islands().free_bodies()) {
+    if (!changes({&body, 1})) continue;
+    apply_impulse(world_, body, 0.5 * substep * before_.force_.col(body), 0.5 * substep * before_.torque_.col(body));
     world_.quarantine.suspect(body);
     world_.aabbs.mark_dirty(body);
   }
 }
 
-// Touched by nothing, nor is what it hangs together with: what rests on something is to rest.
-bool ForcedStep::moves_freely(std::uint32_t body) const {
-  if (!world_.sleeping.awake[body]) return false;
-  const solver::Islands& islands = impl_.pipeline.islands().islands();
-  const std::uint32_t island = islands.island_of(body);
-  return island == solver::Islands::none || islands.contact_count(island) == 0;
+// What hangs together takes the change as its joints let it, those too that are swept. Where these make too many loops
+// to be solved at once, forces are those that the substep began with.
+void ForcedStep::make_up_joined(double substep) {
+  IslandPhase& phase = impl_.pipeline.islands();
+  const solver::Islands& islands = phase.islands();
+  solver::FastBodies none(0);
+  const solver::SolveInput input{.islands = islands,
+                                 .bodies = world_.bodies,
+                                 .manifolds = nullptr,
+                                 .gravity = world_.gravity,
+                                 .dt = substep,
+                                 .settings = {.substeps = 1},
+                                 .kernels = *impl_.kernels,
+                                 .bounds = world_.aabbs.bounds,
+                                 .fast = none,
+                                 .joints = world_.joints.joints.data(),
+                                 .joint_graph = &phase.joint_graph(),
+                                 .joint_systems = &phase.joint_systems()};
+  std::vector<solver::DirectJoints*> joined;
+  for (const Applied& steady : steady_) apply_force(world_, steady.body, steady.force, steady.torque);
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    const std::span<const std::uint32_t> bodies = islands.bodies(island, island + 1);
+    if (islands.contact_count(island) > 0 || !changes(bodies)) continue;
+    const std::uint32_t joint = islands.joints(island, island + 1).front().joint;
+    solver::DirectJoints* joints = phase.joint_systems().for_impacts(input, phase.joint_graph().component_of(joint));
+    if (joints == nullptr) continue;
+    joined.push_back(joints);
+    for (const std::uint32_t body : bodies) {
+      apply_force(world_, body, now_.force_.col(body) - before_.force_.col(body),
+                  now_.torque_.col(body) - before_.torque_.col(body));
+      world_.quarantine.suspect(body);
+      world_.aabbs.mark_dirty(body);
+    }
+  }
+  impl_.arena.parallel_for(joined.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      static_cast<void>(joined[i]->follow_forces(input, {before_.force_.data(), before_.torque_.data()}));
+    }
+  });
+  clear_forces(world_);
+}
+
+// True if the forces have changed on bodies of which nothing is asleep or in quarantine; the next substep sees to what
+// is not finite.
+bool ForcedStep::changes(std::span<const std::uint32_t> bodies) const {
+  bool any = false;
+  for (const std::uint32_t body : bodies) {
+    if (!world_.sleeping.awake[body] || world_.quarantine.contains(body)) return false;
+    const auto force = before_.force_.col(body), torque = before_.torque_.col(body);
+    if (!force.allFinite() || !torque.allFinite()) return false;
+    any |= !force.isZero(0) || !torque.isZero(0);
+  }
+  return any;
 }
 
 }  // namespace atl

@@ -72,11 +72,6 @@ void limit_speeds(Stores& world) {
   }
 }
 
-void clear_forces(Stores& world) {
-  for (const std::uint32_t body : world.changes.pushed) world.bodies.clear_push(body);
-  world.changes.pushed.clear();
-}
-
 }  // namespace
 
 void StepMemory::begin(int threads) {

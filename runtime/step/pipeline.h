@@ -33,6 +33,7 @@ class StepPipeline {
 
   const ContactPhase& contacts() const { return contacts_; }
   const IslandPhase& islands() const { return islands_; }
+  IslandPhase& islands() { return islands_; }
   const SolvePhase& solve() const { return solve_; }
   /// See jobs/arrays.h: what contacts have done since events were noted.
   auto event_arrays() const { return std::tie(hits_, velocities_); }

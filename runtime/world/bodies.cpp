@@ -207,6 +207,11 @@ void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const 
   world.bodies.push(body, force, torque);
 }
 
+void clear_forces(Stores& world) {
+  for (const std::uint32_t body : world.changes.pushed) world.bodies.clear_push(body);
+  world.changes.pushed.clear();
+}
+
 namespace {
 
 Vector3 linear_response(const solver::BodyTable& bodies, std::uint32_t body, const Vector3& impulse) {

@@ -34,7 +34,8 @@ std::uint32_t awaken(Stores& world, std::uint32_t body);
 void wake_all(Stores& world);
 void wake_touching(Stores& world, std::uint32_t body);
 
-void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const Vector3& torque);      // N, N m
+void apply_force(Stores& world, std::uint32_t body, const Vector3& force, const Vector3& torque);  // N, N m
+void clear_forces(Stores& world);
 void apply_impulse(Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment);  // N s, N m s
 /// Throws Error if its velocities would not be finite after that.
 void check_impulse(const Stores& world, std::uint32_t body, const Vector3& impulse, const Vector3& moment);

@@ -3,9 +3,11 @@
 #include <atoll/forces.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "support/bodies.h"
@@ -69,20 +71,21 @@ struct HungRod {
   World world;
   BodyId rod;
 
-  explicit HungRod(JointSolver solver, double angle = 0)
-      : world({.gravity = {0, 0, -g}, .settings = {.joint_solver = solver}}) {
+  explicit HungRod(JointSolver solver, double angle = 0, int substeps = 4, const JointAxis& axis = {},
+                   double gravity = g)
+      : world({.gravity = {0, 0, -gravity}, .settings = {.substeps = substeps, .joint_solver = solver}}) {
     const Quaternion turn(Eigen::AngleAxisd(angle, Vector3::UnitY()));
     const BodyId post = world.add_body(static_box({0, 0.5, 0}, {0.05, 0.05, 0.05}));
     rod = world.add_body({.shape = Box{{length / 2, 0.02, 0.02}},
                           .position = turn * Vector3(length / 2, 0, 0),
                           .orientation = turn,
                           .mass = mass});
-    const Quaternion axis = min_turn(Vector3::UnitX(), Vector3::UnitY());
-    world.add_joint({.kind = HingeJoint{},
+    const Quaternion along = min_turn(Vector3::UnitX(), Vector3::UnitY());
+    world.add_joint({.kind = HingeJoint{axis},
                      .first = post,
                      .second = rod,
-                     .frame_first = {.position = {0, -0.5, 0}, .orientation = axis},
-                     .frame_second = {.position = {-length / 2, 0, 0}, .orientation = axis}});
+                     .frame_first = {.position = {0, -0.5, 0}, .orientation = along},
+                     .frame_second = {.position = {-length / 2, 0, 0}, .orientation = along}});
   }
   double angle() const {
     const Vector3 along = world.pose(rod).orientation * Vector3::UnitX();
@@ -90,27 +93,33 @@ struct HungRod {
   }
   double spin() const { return world.angular_velocity(rod).y(); }
   Vector3 tip() const { return world.pose(rod).position + world.pose(rod).orientation * Vector3(length / 2, 0, 0); }
+  double speed_of_pivot() const {
+    const Vector3 arm = world.pose(rod).orientation * Vector3(-length / 2, 0, 0);
+    return (world.velocity(rod) + world.angular_velocity(rod).cross(arm)).norm();
+  }
   double moment() const { return mass * (length * length / 3 + (0.02 * 0.02) / 3); }
 };
 
-/// The angle after some time of I a'' = torque(t, a, a'), by the classical Runge-Kutta method.
+/// Angle and rate, from those at `start` seconds, after some time of I a'' = torque(t, a, a'), by the classical
+/// Runge-Kutta method.
 template <typename Torque>
-double integrate(const Torque& torque, double moment, double angle, double time) {
-  constexpr double h = 1e-4;
-  std::array<double, 2> y = {angle, 0};
+std::array<double, 2> integrate(const Torque& torque, double moment, double start, double time,
+                                std::array<double, 2> y) {
+  const auto steps = std::lround(time / 1e-4);
+  const double h = time / static_cast<double>(steps);
   const auto rate = [&](double t, const std::array<double, 2>& s) {
     return std::array{s[1], torque(t, s[0], s[1]) / moment};
   };
   const auto moved = [](const std::array<double, 2>& s, double by, const std::array<double, 2>& along) {
     return std::array{s[0] + by * along[0], s[1] + by * along[1]};
   };
-  for (int i = 0; i < std::lround(time / h); ++i) {
-    const double t = i * h;
+  for (int i = 0; i < steps; ++i) {
+    const double t = start + i * h;
     const auto k1 = rate(t, y), k2 = rate(t + h / 2, moved(y, h / 2, k1)), k3 = rate(t + h / 2, moved(y, h / 2, k2)),
                k4 = rate(t + h, moved(y, h, k3));
     for (std::size_t k = 0; k < 2; ++k) y[k] += h / 6 * (k1[k] + 2 * k2[k] + 2 * k3[k] + k4[k]);
   }
-  return y[0];
+  return y;
 }
 
 /// A spring of 40 N/m that the law holds between the rod's tip and a point, after 3 s.
@@ -129,7 +138,7 @@ double spring_error(double step, JointSolver solver) {
     const Vector3 weight(0, 0, -HungRod::mass * g);
     return (HungRod::length * along.cross(pull) + 0.5 * HungRod::length * along.cross(weight)).y();
   };
-  return std::abs(run.angle() - integrate(torque, run.moment(), 0, 3));
+  return std::abs(run.angle() - integrate(torque, run.moment(), 0, 3, {0, 0})[0]);
 }
 
 TEST(ForceLaw, ASpringOnAJoinedRodIsOfSecondOrder) {
@@ -139,31 +148,112 @@ TEST(ForceLaw, ASpringOnAJoinedRodIsOfSecondOrder) {
   EXPECT_LT(spring_error(1.0 / 60, JointSolver::Iterative), 0.05);
 }
 
-/// A controller with gains on angle and speed that holds the rod level, whose set point swings. After 3 s.
+/// A controller with gains on angle and speed that holds the rod level, whose set point swings. At worst in 3 s.
 double controller_error(double step) {
   constexpr double stiffness = 300, damping = 12;
   HungRod run(JointSolver::Direct, 0.5);
-  double now = 0;
+  double now = 0, worst = 0;
   const auto target = [](double t) { return 0.2 * std::sin(3 * t); };
-  const ForceLaw law = [&](Forces& forces) {
-    const double torque = stiffness * (target(now + forces.time()) - run.angle()) - damping * run.spin();
-    forces.add(run.rod, Vector3::Zero(), {0, torque, 0});
-  };
-  for (int i = 0; i < std::lround(3 / step); ++i) {
-    run.world.step(step, law);
-    now += step;
-  }
   const auto torque = [&](double t, double angle, double speed) {
-    return stiffness * (target(t) - angle) - damping * speed +
-           HungRod::mass * g * HungRod::length / 2 * std::cos(angle);
+    return stiffness * (target(t) - angle) - damping * speed;
   };
-  return std::abs(run.angle() - integrate(torque, run.moment(), 0.5, 3));
+  const ForceLaw law = [&](Forces& forces) {
+    forces.add(run.rod, Vector3::Zero(), {0, torque(now + forces.time(), run.angle(), run.spin()), 0});
+  };
+  const auto moves = [&](double t, double angle, double speed) {
+    return torque(t, angle, speed) + HungRod::mass * g * HungRod::length / 2 * std::cos(angle);
+  };
+  std::array<double, 2> right = {0.5, 0};
+  for (int i = 0; i < std::lround(3 / step); ++i, now += step) {
+    run.world.step(step, law);
+    right = integrate(moves, run.moment(), now, step, right);
+    worst = std::max(worst, std::abs(run.angle() - right[0]));
+  }
+  return worst;
 }
 
 TEST(ForceLaw, AControllerIsOfSecondOrder) {
   EXPECT_LT(controller_error(1.0 / 60), 1e-3);
   EXPECT_GT(order_of(controller_error), 1.8);
 }
+
+/// What steps under a torque tell, at worst: how fast the pivot parts (m/s), and how far angle and rate are off (rad
+/// and rad/s) by I a'' = moves(t, a, a') with `inertia` beside that of the rod.
+struct Told {
+  double pivot = 0, angle = 0, rate = 0;
+};
+
+template <typename Torque, typename Moves>
+Told told_by(HungRod run, double step, const Torque& torque, const Moves& moves, double inertia = 0) {
+  Told told;
+  double now = 0;
+  const ForceLaw law = [&](Forces& forces) {
+    forces.add(run.rod, Vector3::Zero(), {0, torque(now + forces.time()), 0});
+  };
+  std::array<double, 2> right = {0, 0};
+  for (int i = 0; i < std::lround(1 / step); ++i, now += step) {
+    run.world.step(step, law);
+    right = integrate(moves, run.moment() + inertia, now, step, right);
+    told.pivot = std::max(told.pivot, run.speed_of_pivot());
+    told.angle = std::max(told.angle, std::abs(run.angle() - right[0]));
+    told.rate = std::max(told.rate, std::abs(run.spin() - right[1]));
+  }
+  return told;
+}
+
+double wave(double t) { return 5 * std::sin(9 * t); }
+
+using Way = std::tuple<JointSolver, int>;
+class JoinedForceLaw : public testing::TestWithParam<Way> {
+ protected:
+  static bool swept() { return std::get<0>(GetParam()) == JointSolver::Iterative; }
+  static HungRod rod_with(const JointAxis& axis, double gravity = 0) {
+    return HungRod(std::get<0>(GetParam()), 0, std::get<1>(GetParam()), axis, gravity);
+  }
+};
+
+// Half of what a law changes in the last substep goes by the joints, too.
+TEST_P(JoinedForceLaw, VelocitiesAreToldThatKeepTheJoints) {
+  const auto moves = [](double t, double angle, double) {
+    return wave(t) + HungRod::mass * g * HungRod::length / 2 * std::cos(angle);
+  };
+  const auto told = [&](double step) { return told_by(rod_with({}, g), step, wave, moves); };
+  EXPECT_LT(told(1.0 / 60).pivot, 1e-5);
+  EXPECT_LT(told(1.0 / 60).rate, swept() ? 0.1 : 0.02);
+  if (!swept()) EXPECT_GT(order_of([&](double step) { return told(step).rate; }), 1.8);
+}
+
+TEST_P(JoinedForceLaw, ARotorTurnsAlong) {
+  const JointAxis axis = {.spring = JointSpring{.stiffness = 100, .damping = 3}, .armature = 0.4};
+  const auto moves = [](double t, double angle, double rate) { return wave(t) - 100 * angle - 3 * rate; };
+  const auto told = [&](double step) { return told_by(rod_with(axis), step, wave, moves, 0.4); };
+  EXPECT_LT(told(1.0 / 60).angle, swept() ? 0.02 : 1e-3);
+  EXPECT_LT(told(1.0 / 60).rate, swept() ? 0.05 : 5e-3);
+  if (!swept()) EXPECT_GT(order_of([&](double step) { return told(step).angle; }), 1.8);
+}
+
+TEST_P(JoinedForceLaw, WhatHoldsTheRateHoldsItToldToo) {
+  const auto holds = [](double, double, double) { return 0; };
+  const auto press = [](double t) { return wave(t) - 6; };
+  const double step = 1.0 / 60;
+  EXPECT_LT(told_by(rod_with({.friction = 6}), step, wave, holds).rate, 1e-6);
+  EXPECT_LT(told_by(rod_with({.motor = JointMotor{.max_force = 6}}), step, wave, holds).rate, 1e-6);
+  EXPECT_LT(told_by(rod_with({.range = {0, 1}}), step, press, holds).rate, swept() ? 0.02 : 1e-6);
+}
+
+// A motor that gives all it has holds nothing back.
+TEST_P(JoinedForceLaw, AMotorGivesNoMoreThanItHas) {
+  const auto moves = [](double t, double, double) { return wave(t) + 2; };
+  const JointAxis axis = {.motor = JointMotor{.speed = 100, .max_force = 2}};
+  const auto told = [&](double step) { return told_by(rod_with(axis), step, wave, moves); };
+  EXPECT_LT(told(1.0 / 60).rate, swept() ? 0.1 : 5e-3);
+  if (!swept()) EXPECT_GT(order_of([&](double step) { return told(step).rate; }), 1.8);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, JoinedForceLaw,
+                         testing::Combine(testing::Values(JointSolver::Auto, JointSolver::Direct,
+                                                          JointSolver::Iterative),
+                                          testing::Values(1, 4)));
 
 TEST(ForceLaw, WhatRestsStaysAtRestUnderAForceThatChanges) {
   World world;

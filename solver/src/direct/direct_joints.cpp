@@ -2,9 +2,11 @@
 #include <solver/tuning.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "direct/island_joints.h"
 #include "direct/island_solves.h"
+#include "direct/joined_masses.h"
 #include "direct/joint_leapfrog.h"
 #include "direct/substeps.h"
 #include "integrate/rows3.h"
@@ -47,10 +49,13 @@ bool DirectJoints::analyse(std::span<const JointLink> links, std::span<const Joi
 
 bool DirectJoints::solve(const SolveInput& input) {
   static_cast<void>(load_bodies(input, members_, motions_.problem, bodies_));
-  return solve_substeps(input, members_, bodies_, motions_);
+  const bool solved = solve_substeps(input, members_, bodies_, motions_);
+  kicked_ = solved && input.settings.substeps == 1 && count_rows_at_ends(motions_.problem.joints) == 0;
+  return solved;
 }
 
 void DirectJoints::begin_step(const SolveInput& input) {
+  kicked_ = false;
   static_cast<void>(load_bodies(input, members_, motions_.problem, bodies_));
   rows_ = load_joints(input.joints, members_, motions_.problem.joints);
   Substeps joints(input, bodies_, motions_, rows_);
@@ -168,6 +173,60 @@ void DirectJoints::end_impacts(const SolveInput& input, double time, std::span<c
   take_to(input, time, by);
   if (!rows_.all_locked) record_rates(velocities, motions_.problem.joints);
   record_armature_rates(input.joints, velocities, motions_.problem.joints);
+}
+
+// Velocities change by as much as the solution of the last kick does, so joints answer as they do to all that acts:
+// locks and ends of ranges hold entirely, motors and friction with what the rest of the forces leaves of theirs.
+bool DirectJoints::follow_forces(const SolveInput& input, const ForceChange& change) {
+  IslandProblem& problem = motions_.problem;
+  const double h = input.substep();
+  Substeps joints(input, bodies_, motions_, rows_);
+  const bool kicked = std::exchange(kicked_, false);
+  if (!kicked) begin_last_kick(input);
+  if (!joints.solve_rows()) return false;
+  motions_.lasting = problem.velocity;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const DirectBody& body = problem.bodies[i];
+    const Eigen::Map<const Vector3> force(change.force + 3 * body.body), torque(change.torque + 3 * body.body);
+    linear_part(problem.free, i) += 0.5 * h * body.inverse_mass.cwiseProduct(force);
+    angular_part(problem.free, i) += 0.5 * h * turning(body, bodies_[i], torque);
+  }
+  const auto find_answer = [&] {
+    const bool found = joints.solve_rows();
+    for (std::size_t i = 0; i < answer_.size(); ++i) answer_[i] = problem.velocity[i] - motions_.lasting[i];
+    return found;
+  };
+  if (!find_answer()) return false;
+  const auto looks_back = [&](const DirectJoint& joint) { return input.joints[joint.joint].looking_back() > 0; };
+  // Corrections of springs and servos go by accelerations, which have changed too. Swept joints are of first order.
+  if (kicked && std::any_of(problem.joints.begin(), problem.joints.end(), looks_back)) {
+    for (DirectJoint& joint : problem.joints) {
+      joint.rate_before = {};
+      joint.rates_by(answer_.data(), joint.rate.data());
+    }
+    correct_kick(input.joints, h, 1, problem);
+    for (DirectJoint& joint : problem.joints) find_rates(problem.velocity, joint, joint.rate);
+    if (!find_answer()) return false;
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    input.bodies.velocity(members_.bodies[i]) += linear_part(answer_, i);
+    input.bodies.angular_velocity(members_.bodies[i]) += angular_part(answer_, i);
+  }
+  return true;
+}
+
+// Loads what was solved otherwise, as if velocities were to be kicked by the forces of half a substep.
+void DirectJoints::begin_last_kick(const SolveInput& input) {
+  IslandProblem& problem = motions_.problem;
+  const double h = input.substep();
+  static_cast<void>(load_bodies(input, members_, problem, bodies_));
+  rows_ = load_joints(input.joints, members_, problem.joints);
+  Substeps(input, bodies_, motions_, rows_).begin();
+  record_rates(problem.velocity, problem.joints);
+  bound_servos(input.joints, problem.joints);
+  if (rows_.looks_back) weigh_joined(input.joints, h, problem, motions_.search);
+  free_velocities_of_kick(input.bodies, 0.5 * h, bodies_, problem);
+  begin_kick(input.joints, h, 1, problem);
 }
 
 void DirectJoints::load_poses(const SolverBodies& bodies) {

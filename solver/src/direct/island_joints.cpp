@@ -356,6 +356,16 @@ void start_at_limit(DirectJoint& joint, std::size_t row) {
   if (joint.limit[row] > 0) rate = std::max(rate, law.upper_rate + beyond * (1 + std::abs(law.upper_rate)));
 }
 
+int count_rows_at_ends(const std::vector<DirectJoint>& all) {
+  int count = 0;
+  for (const DirectJoint& joint : all) {
+    count += static_cast<int>(std::count_if(joint.limit.begin(),
+                                            joint.limit.begin() + static_cast<std::ptrdiff_t>(joint.rows),
+                                            [](int end) { return end != 0; }));
+  }
+  return count;
+}
+
 void stop_at_ends(std::vector<DirectJoint>& all) {
   for (DirectJoint& joint : all) {
     for (std::size_t r = joint.point_rows(); r < joint.rows; ++r) {

@@ -42,6 +42,9 @@ void begin_laws(const Joint* joints, double h, IslandProblem& problem);
 /// A row that was at an end of its range is taken to be there still.
 void start_at_limit(DirectJoint& joint, std::size_t row);
 
+/// The number of coordinates at ends of their ranges.
+int count_rows_at_ends(const std::vector<DirectJoint>& all);
+
 /// Coordinates that are beyond their ranges are to go no farther, by the velocities that bodies keep. Notes at what
 /// rates they go back by the velocities that bodies move by, as overlapping shapes do: a speed that brought them back
 /// would be energy that nothing has given.

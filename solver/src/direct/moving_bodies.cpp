@@ -99,6 +99,21 @@ bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandPr
   return true;
 }
 
+Vector3 turning(const DirectBody& body, const MovingBody& moving, const Vector3& torque) {
+  if (torque.isZero(0)) return Vector3::Zero();
+  return product(inverse_inertia_with(body.locks, moving.inertia), torque);
+}
+
+void free_velocities_of_kick(const BodyTable& table, double time, std::span<const MovingBody> bodies,
+                             IslandProblem& problem) {
+  problem.free = problem.velocity;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const DirectBody& body = problem.bodies[i];
+    linear_part(problem.free, i) += time * bodies[i].acceleration;
+    angular_part(problem.free, i) += time * turning(body, bodies[i], table.torque(body.body));
+  }
+}
+
 void turn_inertia(std::span<MovingBody> bodies) {
   for (MovingBody& body : bodies) {
     const Matrix3 rotation = body.now.orientation.toRotationMatrix();

@@ -18,13 +18,6 @@
 namespace atl::solver {
 namespace {
 
-// rad/s^2, by the torque on a body.
-Vector3 turning(const BodyTable& table, const DirectBody& body, const MovingBody& moving) {
-  const Vector3 torque = table.torque(body.body);
-  if (torque.isZero(0)) return Vector3::Zero();
-  return product(inverse_inertia_with(body.locks, moving.inertia), torque);
-}
-
 // True if a body turns other than by its spin alone.
 bool tumbles(const MovingBody& body, const Vector3& spin) {
   return body.tumbles && spin.squaredNorm() > tuning::min_spin * tuning::min_spin;
@@ -44,7 +37,7 @@ void free_velocities_of_substep(const BodyTable& table, const std::vector<Moving
     }
     linear_part(problem.free, i) = (velocity + h * bodies[i].acceleration) / (1 + h * table.linear_damping[body]);
     angular_part(problem.free, i) =
-        (spin + h * turning(table, problem.bodies[i], bodies[i])) / (1 + h * table.angular_damping[body]);
+        (spin + h * turning(problem.bodies[i], bodies[i], table.torque(body))) / (1 + h * table.angular_damping[body]);
   }
 }
 
@@ -120,16 +113,6 @@ bool any_bounces(const IslandProblem& problem) {
     }
   }
   return false;
-}
-
-int count_rows_at_ends(const IslandProblem& problem) {
-  int count = 0;
-  for (const DirectJoint& joint : problem.joints) {
-    count += static_cast<int>(std::count_if(joint.limit.begin(),
-                                            joint.limit.begin() + static_cast<std::ptrdiff_t>(joint.rows),
-                                            [](int end) { return end != 0; }));
-  }
-  return count;
 }
 
 void stop_bounces(IslandProblem& problem) {
@@ -217,11 +200,7 @@ void Substeps::kick(int sign) {
   if (sign < 0) bound_servos(input_.joints, problem_.joints);
   if (weighs) weigh_joined(input_.joints, h_, problem_, motions_.search);
   if (rows_.acts && sign < 0) give_up_what_locks_forbid();
-  problem_.free = problem_.velocity;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    linear_part(problem_.free, i) += (0.5 * sign * h_) * bodies_[i].acceleration;
-    angular_part(problem_.free, i) += (0.5 * sign * h_) * turning(input_.bodies, problem_.bodies[i], bodies_[i]);
-  }
+  free_velocities_of_kick(input_.bodies, 0.5 * sign * h_, bodies_, problem_);
   conserved_.add_forces(problem_, bodies_);
   if (!rows_.acts && sign < 0) {
     problem_.velocity = problem_.free;
@@ -292,7 +271,6 @@ bool Substeps::find_joint_velocities(bool finds_impacts) {
   return find_row_velocities() && find_passive_velocities();
 }
 
-// Velocities and impulses of joints alone, from the free velocities.
 bool Substeps::solve_rows() {
   if (!by_bodies_ && solve_joints(problem_, motions_.search)) return true;
   problem_.velocity = problem_.free;
@@ -444,7 +422,7 @@ bool Substeps::solve_linear() {
 // By Newton's law of restitution, a bounce while other coordinates are at their ends may make energy. All then leave
 // slower by a common share, which is found from the velocities without any bounce, on the same rows.
 bool Substeps::limit_bounces() {
-  if (count_rows_at_ends(problem_) < 2) return true;
+  if (count_rows_at_ends(problem_.joints) < 2) return true;
   if (kinetic_energy(bodies_, problem_, problem_.velocity) <= motions_.energy_before) return true;
   const std::vector<double> bounced = problem_.velocity;
   stop_bounces(problem_);

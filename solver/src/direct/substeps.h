@@ -51,6 +51,8 @@ class Substeps {
   /// Projects the lasting velocities to ones that keep the joints, and changes nothing at contacts that rest: both have
   /// had their impulses, and answer only to the rest. Returns false if there are none.
   bool project();
+  /// Velocities and impulses of joints alone, from the free velocities. Returns false if there are none.
+  bool solve_rows();
 
  private:
   void give_up_what_locks_forbid();
@@ -58,7 +60,6 @@ class Substeps {
   bool find_velocities(double time);
   void even_out_dampers();
   bool find_impacts();
-  bool solve_rows();
   bool find_row_velocities();
   bool find_passive_velocities();
   bool makes_energy(const std::vector<double>& velocity, Rotors rotors) const;

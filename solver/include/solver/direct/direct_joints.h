@@ -56,6 +56,10 @@ class DirectJoints {
   void end_impacts(const SolveInput& input, double time, std::span<const BodyPose> by,
                    const std::vector<double>& velocities);
 
+  /// Changes velocities, at the end of a step of one substep in which nothing touched the bodies, by what half of it
+  /// makes of a change of forces from those of the table. Returns false, and changes nothing, where that ends nowhere.
+  bool follow_forces(const SolveInput& input, const ForceChange& change);
+
   const IslandProblem& problem() const { return motions_.problem; }
   /// Places of its bodies among the solver's.
   std::span<const std::uint32_t> places() const { return places_; }
@@ -72,6 +76,7 @@ class DirectJoints {
   void take_to(const SolveInput& input, double time, std::span<const BodyPose> by);
   void load_velocities(const SolverBodies& bodies);
   void store_velocities(const std::vector<double>& velocities, SolverBodies& bodies);
+  void begin_last_kick(const SolveInput& input);
   void keep_projected(const SolveInput& input, bool found, SolverBodies& bodies);
 
   IslandMembers members_;              // without contacts
@@ -81,6 +86,7 @@ class DirectJoints {
   std::vector<double> answer_;  // m/s, rad/s: what the joints' impulses in this substep have made of velocities
   RowKinds rows_;
   bool solved_ = false;  // once in this substep
+  bool kicked_ = false;  // the problem is that of the last kick of a step of one substep
 };
 
 }  // namespace atl::solver

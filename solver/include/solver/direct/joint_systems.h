@@ -37,9 +37,9 @@ class JointSystems {
   bool is_machine(std::uint32_t component) const { return is_direct(component) && actuated_[component] != 0; }
   /// The system of a component that is solved directly.
   DirectJoints& of(std::uint32_t component) { return *systems_[component]; }
-  /// The system by which a component answers to impacts; null if loops would cause too much fill-in. That of joints
-  /// which are otherwise swept is made when it is first asked for. Different components may be asked for by different
-  /// threads.
+  /// The system by which a component answers to impacts and to forces that change; null if loops would cause too much
+  /// fill-in. That of joints which are otherwise swept is made when it is first asked for. Different components may be
+  /// asked for by different threads.
   DirectJoints* for_impacts(const SolveInput& input, std::uint32_t component) {
     if (is_direct(component)) return systems_[component].get();
     if (asked_[component] == 0) {

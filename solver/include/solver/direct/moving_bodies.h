@@ -30,6 +30,12 @@ bool load_bodies(const SolveInput& input, const IslandMembers& members, IslandPr
 /// Sets the inertia of a body in a step, which it has half way through it.
 void set_inertia_half_way(const BodyTable& table, DirectBody& body);
 
+/// rad/s^2: what a torque (N m) makes of a body's spin, by its own inertia.
+Vector3 turning(const DirectBody& body, const MovingBody& moving, const Vector3& torque);
+/// Takes the free velocities on from the present ones by what the forces on bodies make of them in `time` seconds.
+void free_velocities_of_kick(const BodyTable& table, double time, std::span<const MovingBody> bodies,
+                             IslandProblem& problem);
+
 /// Sets the bodies' own inertia at the present poses.
 void turn_inertia(std::span<MovingBody> bodies);
 

@@ -18,6 +18,12 @@ struct Kernels;
 /// Stands for the impulse of a contact that hasn't pushed in a step.
 inline constexpr float not_pushed = -1;
 
+/// By how much the forces on bodies have changed: three numbers a body of the world.
+struct ForceChange {
+  const double* force;   ///< N
+  const double* torque;  ///< N m
+};
+
 /// The input shared by all islands of a step, with references to the results that their solvers write.
 struct SolveInput {
   const Islands& islands;
