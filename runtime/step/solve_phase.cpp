@@ -144,6 +144,8 @@ void SolvePhase::choose_modes(Stores& world, const StepContext& step, IslandPhas
     const solver::LoadInput input = {.islands = islands.islands(),
                                      .bodies = world.bodies,
                                      .manifolds = world.cache.manifolds.data(),
+                                     .contacts = world.cache.contacts.data(),
+                                     .colliders = world.colliders,
                                      .gravity = world.gravity,
                                      .dt = world.clock.dt,
                                      .settings = how,

@@ -220,7 +220,9 @@ TEST_P(JoinedForceLaw, VelocitiesAreToldThatKeepTheJoints) {
   const auto told = [&](double step) { return told_by(rod_with({}, g), step, wave, moves); };
   EXPECT_LT(told(1.0 / 60).pivot, 1e-5);
   EXPECT_LT(told(1.0 / 60).rate, swept() ? 0.1 : 0.02);
-  if (!swept()) EXPECT_GT(order_of([&](double step) { return told(step).rate; }), 1.8);
+  if (!swept()) {
+    EXPECT_GT(order_of([&](double step) { return told(step).rate; }), 1.8);
+  }
 }
 
 TEST_P(JoinedForceLaw, ARotorTurnsAlong) {
@@ -229,7 +231,9 @@ TEST_P(JoinedForceLaw, ARotorTurnsAlong) {
   const auto told = [&](double step) { return told_by(rod_with(axis), step, wave, moves, 0.4); };
   EXPECT_LT(told(1.0 / 60).angle, swept() ? 0.02 : 1e-3);
   EXPECT_LT(told(1.0 / 60).rate, swept() ? 0.05 : 5e-3);
-  if (!swept()) EXPECT_GT(order_of([&](double step) { return told(step).angle; }), 1.8);
+  if (!swept()) {
+    EXPECT_GT(order_of([&](double step) { return told(step).angle; }), 1.8);
+  }
 }
 
 TEST_P(JoinedForceLaw, WhatHoldsTheRateHoldsItToldToo) {
@@ -247,7 +251,9 @@ TEST_P(JoinedForceLaw, AMotorGivesNoMoreThanItHas) {
   const JointAxis axis = {.motor = JointMotor{.speed = 100, .max_force = 2}};
   const auto told = [&](double step) { return told_by(rod_with(axis), step, wave, moves); };
   EXPECT_LT(told(1.0 / 60).rate, swept() ? 0.1 : 5e-3);
-  if (!swept()) EXPECT_GT(order_of([&](double step) { return told(step).rate; }), 1.8);
+  if (!swept()) {
+    EXPECT_GT(order_of([&](double step) { return told(step).rate; }), 1.8);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, JoinedForceLaw,

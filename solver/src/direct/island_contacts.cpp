@@ -359,7 +359,7 @@ bool bounces(const SolveInput& input, const DirectContact& contact, const std::v
 bool load_contacts(const SolveInput& input, const IslandMembers& members, IslandProblem& problem) {
   // Impulses are kept as those of a substep.
   const bool at_once = members.joints.empty();
-  const double share = at_once ? input.settings.substeps : 1;
+  const double share = at_once ? input.settings.substeps / input.settings.refinement : 1;
   problem.contacts.resize(members.contacts.size());
   for (std::size_t c = 0; c < members.contacts.size(); ++c) {
     const TouchingPair& pair = members.contacts[c];

@@ -21,6 +21,11 @@ void free_velocities_of_step(const SolveInput& input, const std::vector<MovingBo
     auto angular = angular_part(problem.free, i);
     velocity = table.velocity(of.body);
     angular = spin;
+    if (table.linear_damping[of.body] == 0 && table.angular_damping[of.body] == 0) {
+      velocity += input.dt * bodies[i].acceleration;
+      angular += input.dt * turning;
+      continue;
+    }
     for (int k = 0; k < input.settings.substeps; ++k) {
       velocity = (velocity + h * bodies[i].acceleration) / (1 + h * table.linear_damping[of.body]);
       angular = (angular + h * turning) / (1 + h * table.angular_damping[of.body]);
@@ -28,31 +33,42 @@ void free_velocities_of_step(const SolveInput& input, const std::vector<MovingBo
   }
 }
 
-// Marks (1, by body) the bodies that a contact stops on their way. By half of such a gain, as the trapezoidal rule has
-// it, a body would get into what it lands on.
-std::vector<std::uint8_t> find_landed(const IslandMotions& motions) {
-  std::vector<std::uint8_t> landed(motions.problem.bodies.size(), 0);
-  for (const DirectContact& contact : motions.problem.contacts) {
-    const auto& pushes = contact.lasting.normal;
-    if (!contact.lands) continue;
-    if (std::all_of(pushes.begin(), pushes.begin() + contact.law.points, [](double n) { return n <= 0; })) continue;
-    if (contact.first != no_body) landed[contact.first] = 1;
-    if (contact.second != no_body) landed[contact.second] = 1;
-  }
-  return landed;
-}
-
 // The ways in which a body's velocity changes in the step.
 enum class Change : std::uint8_t {
-  Steadily,  // it moves by the mean of the first and the last
-  Lands,     // slowly; it moves by the last
+  Steadily,  // it moves by the mean of the first and the last, as the trapezoidal rule has it
+  Lands,     // slowly; it moves by the last, or it would get into what it lands on
   Jumps,     // likewise, and nothing is foreseen
 };
 
+bool pushes(const DirectContact& contact) {
+  const auto& of = contact.lasting.normal;
+  return std::any_of(of.begin(), of.begin() + contact.law.points, [](double normal) { return normal > 0; });
+}
+
+// Bodies that push each other move alike: one that moved by the mean would get into one that has stopped.
+void spread_landings(const std::vector<DirectContact>& contacts, std::vector<Change>& changes) {
+  for (bool any = true; any;) {
+    any = false;
+    for (const DirectContact& contact : contacts) {
+      if (contact.fixed() || !pushes(contact)) continue;
+      Change& first = changes[contact.first];
+      Change& second = changes[contact.second];
+      if ((first == Change::Steadily) == (second == Change::Steadily)) continue;
+      (first == Change::Steadily ? first : second) = Change::Lands;
+      any = true;
+    }
+  }
+}
+
 std::vector<Change> find_changes(const SolveInput& input, const std::vector<MovingBody>& bodies,
                                  const IslandMotions& motions, const std::vector<double>& before) {
-  const std::vector<std::uint8_t> landed = find_landed(motions);
-  std::vector<Change> changes(bodies.size());
+  const std::vector<DirectContact>& contacts = motions.problem.contacts;
+  std::vector<Change> changes(bodies.size(), Change::Steadily);
+  for (const DirectContact& contact : contacts) {
+    if (!contact.lands || !pushes(contact)) continue;
+    if (contact.first != no_body) changes[contact.first] = Change::Lands;
+    if (contact.second != no_body) changes[contact.second] = Change::Lands;
+  }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vector3 gained = linear_part(motions.lasting, i) - linear_part(before, i);
     const Vector3 gained_spin = angular_part(motions.lasting, i) - angular_part(before, i);
@@ -60,10 +76,9 @@ std::vector<Change> find_changes(const SolveInput& input, const std::vector<Movi
     // What turns also changes by its own motion.
     const double turning = radius * angular_part(before, i).squaredNorm();
     const double acceleration = bodies[i].acceleration.norm() + turning;
-    changes[i] = !changes_steadily(gained, gained_spin, acceleration, input.dt, radius) ? Change::Jumps
-                 : landed[i] != 0                                                       ? Change::Lands
-                                                                                        : Change::Steadily;
+    if (!changes_steadily(gained, gained_spin, acceleration, input.dt, radius)) changes[i] = Change::Jumps;
   }
+  spread_landings(contacts, changes);
   return changes;
 }
 
@@ -105,7 +120,9 @@ bool foresee_turns(const SolveInput& input, const std::vector<MovingBody>& bodie
     const Vector3 last = angular_part(motions.lasting, i);
     const Vector3 spin = changes[i] == Change::Lands ? last : Vector3(0.5 * (angular_part(before, i) + last));
     const Vector3 half_turn = 0.5 * input.dt * spin;
-    differs |= (half_turn - body.half_turn).norm() > tuning::foreseen_turn;
+    const double rim_speed = table.radius[body.body] * spin.norm();
+    const double missed = rim_speed * (half_turn - body.half_turn).norm() / input.dt;
+    differs |= missed > tuning::foreseen_part * input.gravity.norm();
     body.spin = spin;
     body.half_turn = half_turn;
     set_inertia_half_way(table, body);
@@ -130,7 +147,8 @@ bool solve_step(const SolveInput& input, const IslandMembers& members, const std
   if (input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, input.dt, motions.problem);
   write_back_bodies(input, bodies, motions, before);
   if (input.pushed != nullptr) record_pushes(motions.problem, true, input.pushed);
-  write_back_contacts(input, 1.0 / input.settings.substeps, motions.problem.contacts);
+  const double share = input.settings.refinement / input.settings.substeps;
+  write_back_contacts(input, share, motions.problem.contacts);
   return true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <collision/contacts/contact.h>
+#include <collision/shapes/collider_table.h>
 #include <jobs/compact_array.h>
 #include <solver/direct/joint_systems.h>
 #include <solver/integrate/body_table.h>
@@ -17,8 +18,10 @@ struct LoadInput {
   const Islands& islands;
   const BodyTable& bodies;
   const collision::ContactManifold* manifolds;  ///< by slot
-  Vector3 gravity;                              ///< m/s^2
-  double dt;                                    ///< s
+  const collision::Contact* contacts;           ///< likewise
+  const collision::ColliderTable& colliders;
+  Vector3 gravity;  ///< m/s^2
+  double dt;        ///< s
   const SolverSettings& settings;
   const JointGraph* joint_graph = nullptr;      ///< null where there are no joints
   const JointSystems* joint_systems = nullptr;  ///< likewise
