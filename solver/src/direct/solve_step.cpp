@@ -82,12 +82,29 @@ std::vector<Change> find_changes(const SolveInput& input, const std::vector<Movi
   return changes;
 }
 
+// Marks (1, by body) those that something pushes on.
+std::vector<std::uint8_t> find_pushed(const IslandProblem& problem) {
+  std::vector<std::uint8_t> pushed(problem.bodies.size(), 0);
+  for (const DirectContact& contact : problem.contacts) {
+    if (!pushes(contact)) continue;
+    if (contact.first != no_body) pushed[contact.first] = 1;
+    if (contact.second != no_body) pushed[contact.second] = 1;
+  }
+  return pushed;
+}
+
 void write_back_bodies(const SolveInput& input, const std::vector<MovingBody>& bodies, const IslandMotions& motions,
                        const std::vector<double>& before) {
   BodyTable& table = input.bodies;
   const std::vector<Change> changes = find_changes(input, bodies, motions, before);
+  const std::vector<std::uint8_t> pushed = find_pushed(motions.problem);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = motions.problem.bodies[i].body;
+    // What has parted tumbles as in free flight, which keeps its energy.
+    if (bodies[i].tumbles && pushed[i] == 0) {
+      move_free_body(table, body, input.gravity, input.dt, input.settings.substeps, input.bounds, input.fast);
+      continue;
+    }
     const BodyPose& start = bodies[i].start;
     const Vector3 velocity = linear_part(motions.lasting, i);
     const Vector3 spin = angular_part(motions.lasting, i);
