@@ -64,9 +64,9 @@ inline constexpr double min_turn = 1e-5;
 /// falls over (an error of 1.2 instead of 0.27, relative to its tilt); with 0.25 or 0.5 rolling bodies are the same.
 inline constexpr double known_turn = 0.25;
 /// Rounds in which contacts that are solved at once follow the turns that solutions tell, and the part of gravity that
-/// a turn must be missed by for another one, as a change of the rim's speed in the step. A coin (10 cm, 11.5 rad/s) that
-/// rolls in a circle for 3 s at 1/60 s comes to lean by .55 rad too much with no round, .02 with one, 3e-4 with two. At
-/// ten times this part it leans by .035 too much at 1/240 s; towers on a plate that shakes take no round.
+/// a turn must be missed by for another one, as a change of the rim's speed in the step. A coin (10 cm, 11.5 rad/s)
+/// that rolls in a circle for 3 s at 1/60 s comes to lean by .55 rad too much with no round, .02 with one, 1e-4 with
+/// two. At 25 times this part it leans by .035 too much at 1/240 s.
 inline constexpr int turn_rounds = 3;
 inline constexpr double foreseen_part = 1e-4;
 /// rad a step, times the root of the largest moment of inertia over the least. A body that turns by more is in another
