@@ -132,7 +132,7 @@ void ForcedStep::apply(bool again) {
   }
 }
 
-// Where something touches, what rests is to rest: forces are those that the substep began with.
+// Gives half of the change of forces. Islands with contacts are left out, since bodies that rest in them are to rest.
 void ForcedStep::make_up(double substep) {
   before_.force_ = now_.force_ - before_.force_;
   before_.torque_ = now_.torque_ - before_.torque_;
@@ -149,8 +149,8 @@ void ForcedStep::make_up_free(double substep) {
   }
 }
 
-// What hangs together takes the change as its joints let it, those too that are swept. Where these make too many loops
-// to be solved at once, forces are those that the substep began with.
+// Gives joined bodies the change as their joints answer to it, swept joints too. Components with too many loops to be
+// solved at once are left out.
 void ForcedStep::make_up_joined(double substep) {
   IslandPhase& phase = impl_.pipeline.islands();
   const solver::Islands& islands = phase.islands();

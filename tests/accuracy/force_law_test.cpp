@@ -177,8 +177,8 @@ TEST(ForceLaw, AControllerIsOfSecondOrder) {
   EXPECT_GT(order_of(controller_error), 1.8);
 }
 
-/// What steps under a torque tell, at worst: how fast the pivot parts (m/s), and how far angle and rate are off (rad
-/// and rad/s) by I a'' = moves(t, a, a') with `inertia` beside that of the rod.
+/// The worst errors in the states that steps under a torque tell: the speed of the pivot's parting (m/s), angle and
+/// rate (rad and rad/s) by I a'' = moves(t, a, a') with `inertia` beside that of the rod.
 struct Told {
   double pivot = 0, angle = 0, rate = 0;
 };

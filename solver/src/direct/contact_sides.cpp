@@ -12,8 +12,8 @@
 namespace atl::solver {
 namespace {
 
-// Where a manifold carries (m, from its middle), and the mean distance (m) of that from its points, both by what these
-// carried last or, where that is nothing, of the deepest.
+// The centre of a manifold's load (m, from its middle), and its mean distance (m) from the points. Points weigh by
+// their last impulses, or if these are zero by their depth.
 struct CentreOfLoad {
   Vector3 place = Vector3::Zero();
   double radius = 0;
@@ -76,6 +76,11 @@ void follow_round(const Vector3& normal, double dt, const Side& round, Side& oth
   other.end += dt * along;
 }
 
+// Tells contacts along a line.
+bool is_line(const collision::ContactManifold& manifold) {
+  return manifold.separation[1] < collision::no_point && manifold.separation[2] >= collision::no_point;
+}
+
 Side side_of(const SolveInput& input, const std::vector<DirectBody>& bodies, bool half_way, bool second,
              DirectContact& contact) {
   const BodyTable& table = input.bodies;
@@ -98,7 +103,7 @@ Side side_of(const SolveInput& input, const std::vector<DirectBody>& bodies, boo
   const Vector3 turn = local == no_body ? half_turn(table, body, input.dt) : bodies[local].half_turn;
   side.half = turned_arm(on, turn, normal);
   side.end = turned_arm(on, 2 * turn, normal);
-  if (!on.axis.isZero(0)) contact.line_turn = line_turn(on, turn, normal);
+  if (!on.axis.isZero(0) && is_line(manifold)) contact.line_turn = line_turn(on, turn, normal);
   return side;
 }
 
@@ -141,18 +146,12 @@ void place_sides(const SolveInput& input, const std::vector<DirectBody>& bodies,
   }
 }
 
-bool is_line(const collision::ContactManifold& manifold) {
-  return manifold.separation[1] < collision::no_point && manifold.separation[2] >= collision::no_point;
-}
-
-bool lands(const DirectContact& contact, bool line, const std::vector<double>& velocity, double dt) {
+bool lands(const DirectContact& contact, const std::vector<double>& velocity, double dt) {
   Six motion = contact.motion_at(velocity);
   motion[0] = contact.approach;
-  if (line) {
-    const double about = motion[1];
-    motion[1] -= contact.line_turn * motion[2];
-    motion[2] += contact.line_turn * about;
-  }
+  const double about = motion[1];
+  motion[1] -= contact.line_turn * motion[2];
+  motion[2] += contact.line_turn * about;
   for (int i = 0; i < contact.law.points; ++i) {
     const double gap = std::max(contact.start_separation[i], 0.0);
     if (-contact.law.speed(i, motion) * dt - gap > 2 * tuning::min_overlap) return true;
@@ -160,9 +159,8 @@ bool lands(const DirectContact& contact, bool line, const std::vector<double>& v
   return false;
 }
 
-void go_ahead(bool line, DirectContact& contact) {
+void go_ahead(DirectContact& contact) {
   contact.give(contact.ahead);
-  if (!line) return;
   contact.given[1] += contact.line_turn * contact.axes[2].dot(contact.last_spin);
   contact.given[2] -= contact.line_turn * contact.axes[1].dot(contact.last_spin);
 }

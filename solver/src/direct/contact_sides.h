@@ -17,15 +17,12 @@ namespace atl::solver {
 /// that doesn't respond, and what its arms come to make of its motion until the step's end. Its axes are set.
 void place_sides(const SolveInput& input, const std::vector<DirectBody>& bodies, bool half_way, DirectContact& contact);
 
-/// Tells contacts along a line.
-bool is_line(const collision::ContactManifold& manifold);
-
 /// True if a point comes to lie in the other body, from where it is on, at the speed at which it closes: the body is
 /// stopped on its way, by however much.
-bool lands(const DirectContact& contact, bool line, const std::vector<double>& velocity, double dt);
+bool lands(const DirectContact& contact, const std::vector<double>& velocity, double dt);
 
 /// Gives a contact what its arms and, of what touches along a line, the turn of that make of its motion until the end
 /// of the step.
-void go_ahead(bool line, DirectContact& contact);
+void go_ahead(DirectContact& contact);
 
 }  // namespace atl::solver

@@ -53,7 +53,7 @@ struct ContactResponse {
 void load_points(const collision::ContactManifold& manifold, const ContactResponse& response, DirectContact& contact) {
   ContactLaw& law = contact.law;
   // A load on one end of a line that lags behind the axis above it would drive the rolling.
-  const double tangent = is_line(manifold) ? contact.line_turn : 0;
+  const double tangent = contact.line_turn;
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   const collision::Tangents of_manifold = collision::tangents(manifold.normal);
   const auto in_axes = [&](double x, double y) -> std::array<double, 2> {
@@ -184,9 +184,9 @@ void load_contact(const SolveInput& input, const TouchingPair& pair, const Islan
   const ContactResponse response{bodies, contact, table.inverse_mass[pair.first] + table.inverse_mass[pair.second]};
   load_points(manifold, response, contact);
   ATL_ASSERT(contact.law.points >= 1, pair.slot, pair.first, pair.second);
-  contact.lands = lands(contact, is_line(manifold), problem.velocity, input.dt);
-  // What lands moves by the velocities that it has then, along rows of half the way.
-  if (half_way && !contact.lands) go_ahead(is_line(manifold), contact);
+  contact.lands = lands(contact, problem.velocity, input.dt);
+  // A landing foresees nothing: its bodies move by their last velocities, along rows of half the way.
+  if (half_way && !contact.lands) go_ahead(contact);
   load_friction(input.settings, response, contact);
   if (input.surface_contacts == nullptr) return;
   SurfaceContact& surface = input.surface_contacts[pair.slot];

@@ -73,7 +73,7 @@ std::vector<Change> find_changes(const SolveInput& input, const std::vector<Movi
     const Vector3 gained = linear_part(motions.lasting, i) - linear_part(before, i);
     const Vector3 gained_spin = angular_part(motions.lasting, i) - angular_part(before, i);
     const double radius = input.bodies.radius[motions.problem.bodies[i].body];
-    // What turns also changes by its own motion.
+    // A turning body's velocity also changes by its own motion.
     const double turning = radius * angular_part(before, i).squaredNorm();
     const double acceleration = bodies[i].acceleration.norm() + turning;
     if (!changes_steadily(gained, gained_spin, acceleration, input.dt, radius)) changes[i] = Change::Jumps;
@@ -94,13 +94,12 @@ std::vector<std::uint8_t> find_pushed(const IslandProblem& problem) {
 }
 
 void write_back_bodies(const SolveInput& input, const std::vector<MovingBody>& bodies, const IslandMotions& motions,
-                       const std::vector<double>& before) {
+                       const std::vector<Change>& changes) {
   BodyTable& table = input.bodies;
-  const std::vector<Change> changes = find_changes(input, bodies, motions, before);
   const std::vector<std::uint8_t> pushed = find_pushed(motions.problem);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t body = motions.problem.bodies[i].body;
-    // What has parted tumbles as in free flight, which keeps its energy.
+    // A body that has parted tumbles by the integrator of free flight, which keeps its energy.
     if (bodies[i].tumbles && pushed[i] == 0) {
       move_free_body(table, body, input.gravity, input.dt, input.settings.substeps, input.bounds, input.fast);
       continue;
@@ -124,15 +123,13 @@ void write_back_bodies(const SolveInput& input, const std::vector<MovingBody>& b
 
 // Takes the turns of bodies from the solution, but for those that jump. Returns whether one differs from that which it
 // was found with.
-bool foresee_turns(const SolveInput& input, const std::vector<MovingBody>& bodies, const std::vector<double>& before,
+bool foresee_turns(const SolveInput& input, const std::vector<Change>& changes, const std::vector<double>& before,
                    IslandMotions& motions) {
   const BodyTable& table = input.bodies;
   bool differs = false;
-  std::vector<Change> changes;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
+  for (std::size_t i = 0; i < changes.size(); ++i) {
     DirectBody& body = motions.problem.bodies[i];
     if (!turns_in_step(table, body.body, input.dt) || is_seen_heavier(table, body.body)) continue;
-    if (changes.empty()) changes = find_changes(input, bodies, motions, before);
     if (changes[i] == Change::Jumps) continue;
     const Vector3 last = angular_part(motions.lasting, i);
     const Vector3 spin = changes[i] == Change::Lands ? last : Vector3(0.5 * (angular_part(before, i) + last));
@@ -153,16 +150,18 @@ bool solve_step(const SolveInput& input, const IslandMembers& members, const std
                 IslandMotions& motions) {
   IslandProblem& problem = motions.problem;
   const std::vector<double> before = problem.velocity;
+  std::vector<Change> changes;
   for (int round = 0;; ++round) {
     free_velocities_of_step(input, bodies, problem);
     motions.lasting = before;
     if (!find_motions(motions, input.settings, input.dt, 0)) return false;
-    if (round == tuning::turn_rounds || !foresee_turns(input, bodies, before, motions)) break;
+    changes = find_changes(input, bodies, motions, before);
+    if (round == tuning::turn_rounds || !foresee_turns(input, changes, before, motions)) break;
     problem.velocity = before;
     turn_contacts(input, members, problem);
   }
   if (input.capture != nullptr) capture_contacts(*input.capture, input.manifolds, input.dt, motions.problem);
-  write_back_bodies(input, bodies, motions, before);
+  write_back_bodies(input, bodies, motions, changes);
   if (input.pushed != nullptr) record_pushes(motions.problem, true, input.pushed);
   const double share = input.settings.refinement / input.settings.substeps;
   write_back_contacts(input, share, motions.problem.contacts);

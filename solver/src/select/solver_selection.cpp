@@ -75,7 +75,7 @@ bool lands(const LoadInput& input, std::size_t island) {
   return leans && reaches;
 }
 
-// What was put to touch does so before it has carried anything.
+// Tells contacts that carried something, and those that touch and won't bounce, as where a body has just been put.
 bool leans_on(const collision::ContactManifold& manifold) {
   if (has_impulse(manifold)) return true;
   if (manifold.restitution > 0) return false;
