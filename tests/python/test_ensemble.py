@@ -336,6 +336,7 @@ def wait_at_a_gate(scene: atoll.Scene, parameters: dict[str, Any]) -> None:
         time.sleep(0.01)
 
 
+@long_test
 def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, this_module: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ATOLL_TEST_GATES", str(tmp_path))
     signals = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
@@ -375,6 +376,7 @@ def test_the_driver_may_be_killed_and_stopped(tmp_path: Path, this_module: str, 
     assert tables(out) == tables(tmp_path / "at once")
 
 
+@long_test
 def test_a_job_whose_workers_always_die_is_given_up(tmp_path: Path, this_module: str) -> None:
     plan = {"scene": "pile:bodies=3", "steps": 20, "observe": f"{this_module}:die"}
     outcome = run(tmp_path, plan)
@@ -421,7 +423,7 @@ def stopped_midway(out: Path) -> None:
     stop_once(out, lambda tally: tally.snapshots > 8, interval=0)
 
 
-@pytest.mark.parametrize("harm", ["flip", "cut", "empty", "remove"])
+@pytest.mark.parametrize("harm", ["flip", *(pytest.param(harm, marks=long_test) for harm in ("cut", "empty", "remove"))])
 def test_a_snapshot_that_is_corrupt_costs_its_job_alone(tmp_path: Path, undisturbed: Tables, harm: str) -> None:
     stopped_midway(tmp_path)
     snapshots = sorted((tmp_path / "snapshots").glob("*.snapshot"))

@@ -26,6 +26,6 @@ for generation in range(12):
     best = policies[np.argsort(-lengths, kind="stable")[:ELITE]]
     mean, spread = best.mean(axis=0), best.std(axis=0) + 0.05
     print(f"generation {generation:2}: {lengths.mean():5.1f} steps in the mean, {lengths.max():3.0f} at best")
-    if lengths.mean() > 0.98 * HORIZON:
+    if lengths.mean() > 0.95 * HORIZON:
         break
 print(f"learned: {mean.round(2)}" if lengths.mean() > 0.9 * HORIZON else "it didn't learn")
