@@ -17,6 +17,8 @@ namespace {
 using test::Random;
 using Couplings = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
+Eigen::MatrixXd times(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a * b; }
+
 TEST(BlockLdlt, RefusesWhatIsNotPositiveDefinite) {
   BlockLdlt blocks;
   const std::vector<std::uint8_t> sizes = {2, 2};
@@ -120,14 +122,14 @@ TEST(BlockLdlt, InvertsWhereItHasBlocks) {
     for (std::uint32_t i = 0; i < count; ++i) add(i, i, Eigen::MatrixXd::Identity(sizes[i], sizes[i]));
     for (const auto& [a, b] : couplings) {
       const Eigen::MatrixXd of_a = any(a), of_b = any(b);
-      add(a, a, of_a * of_a.transpose());
-      add(b, b, of_b * of_b.transpose());
-      add(a, b, of_a * of_b.transpose());
+      add(a, a, times(of_a, of_a.transpose()));
+      add(b, b, times(of_b, of_b.transpose()));
+      add(a, b, times(of_a, of_b.transpose()));
     }
     ASSERT_TRUE(blocks.factor());
     std::vector<double> inverse;
     blocks.invert(inverse);
-    const Eigen::MatrixXd expected = dense.inverse();
+    const Eigen::MatrixXd expected = dense.ldlt().solve(Eigen::MatrixXd::Identity(rows, rows));
     const auto compare = [&](std::uint32_t a, std::uint32_t b) {
       const std::uint32_t row = blocks.is_earlier(a, b) ? b : a, column = row == a ? b : a;
       const Eigen::Map<const Eigen::MatrixXd> block(&inverse[blocks.block_index(a, b)], sizes[row], sizes[column]);
@@ -160,20 +162,24 @@ TEST(BlockLdlt, KeepsDefinitenessOfBadlyConditionedBlocks) {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(rows, rows);
     for (std::uint32_t i = 0; i < count; ++i) {
       const Eigen::VectorXd along = any().col(0).normalized();
-      const Eigen::MatrixXd mirror = Eigen::MatrixXd::Identity(size, size) - 2 * along * along.transpose();
+      const Eigen::MatrixXd mirror = Eigen::MatrixXd::Identity(size, size) - 2 * times(along, along.transpose());
       Eigen::VectorXd spread(size);
       for (Eigen::Index k = 0; k < size; ++k) spread[k] = std::pow(10.0, -12.0 * static_cast<double>(k) / (size - 1));
       Eigen::MatrixXd strip = Eigen::MatrixXd::Zero(rows, size);
       strip.middleRows(i * size, size).setIdentity();
       if (i + 1 < count) strip.middleRows((i + 1) * size, size) = any() / size;
-      dense += strip * (mirror * spread.asDiagonal() * mirror) * strip.transpose();
+      // One product at a time: nested ones take the compiler 20 s.
+      Eigen::MatrixXd pivot = mirror;
+      for (Eigen::Index k = 0; k < size; ++k) pivot.col(k) *= spread[k];
+      pivot = times(pivot, mirror);
+      dense += times(times(strip, pivot), strip.transpose());
     }
     for (std::uint32_t i = 0; i < count; ++i) {
       blocks.diagonal(i) = dense.block(i * size, i * size, size, size);
       if (i > 0) blocks.add(i, i - 1, dense.block(i * size, (i - 1) * size, size, size));
     }
     ASSERT_TRUE(blocks.factor()) << run;
-    const Eigen::VectorXd b = dense * Eigen::VectorXd::Ones(rows);
+    const Eigen::VectorXd b = times(dense, Eigen::VectorXd::Ones(rows));
     Eigen::VectorXd x = b;
     blocks.solve({x.data(), static_cast<std::size_t>(rows)});
     EXPECT_LT((dense * x - b).norm(), 1e-14 * dense.norm() * x.norm()) << run;
