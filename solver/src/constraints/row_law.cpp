@@ -36,7 +36,7 @@ LinearForce force_on(const Law& law, const JointRow& at, double mass, bool servo
 
 int servo_bound(const Law& law, const JointRow& at, double rate) {
   const double asked = LinearForce::of_servo(law, 1, at.share).at(at.value, rate);
-  return asked > law.motor_force ? 1 : asked < -law.motor_force ? -1 : 0;
+  return RowLaw::bound_at(asked, law.motor_force);
 }
 
 LinearForce LinearForce::of_spring(const Law& law, double mass, double share) {

@@ -220,15 +220,19 @@ void SolverSelection::start_modes(const Islands& islands) {
   for (const std::size_t island : joined_) modes_[island] = SolveMode::Direct;
 }
 
-std::span<const SolveMode> SolverSelection::choose_untouched(const LoadInput& input) {
+// Forgets what loads have told, which nobody asks for now.
+void SolverSelection::begin_without_loads(const LoadInput& input) {
   forget_all();
   landings_.clear();
   turning_.clear();
   refused_.clear();
   find_joined(input, false);
-  if (joined_.empty()) return {};
   start_modes(input.islands);
-  return modes_;
+}
+
+std::span<const SolveMode> SolverSelection::choose_untouched(const LoadInput& input) {
+  begin_without_loads(input);
+  return joined_.empty() ? std::span<const SolveMode>() : std::span<const SolveMode>(modes_);
 }
 
 // An island counts as a machine's if no more bodies than those of actuated components are in it: a robot that stands, a
@@ -281,13 +285,8 @@ bool SolverSelection::is_pushed_on(const LoadInput& input, std::size_t island) {
 }
 
 std::span<const SolveMode> SolverSelection::choose_direct(const LoadInput& input) {
-  forget_all();
-  landings_.clear();
-  turning_.clear();
-  refused_.clear();
-  find_joined(input, false);
+  begin_without_loads(input);
   const Islands& islands = input.islands;
-  start_modes(islands);
   for (std::size_t island = 0; island < islands.count(); ++island) {
     if (islands.contact_count(island) == 0) continue;
     if (islands.body_count(island) > tuning::max_bodies) {

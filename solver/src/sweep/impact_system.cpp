@@ -1,6 +1,7 @@
 #include <jobs/assert.h>
 #include <solver/direct/direct_joints.h>
 #include <solver/sweep/impact_system.h>
+#include <solver/tuning.h>
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +66,7 @@ void ImpactSystem::find_ends(const SolveInput& input) {
 
 void ImpactSystem::begin_round(std::vector<std::uint32_t>& hit, std::span<ImpactBody> bodies) {
   if (!std::includes(hit_.begin(), hit_.end(), hit.begin(), hit.end())) {
-    if (hit.size() + hit_.size() <= max_hit) hit.insert(hit.end(), hit_.begin(), hit_.end());
+    if (hit.size() + hit_.size() <= tuning::max_hit) hit.insert(hit.end(), hit_.begin(), hit_.end());
     std::sort(hit.begin(), hit.end());
     hit.erase(std::unique(hit.begin(), hit.end()), hit.end());
     hit_.assign(hit.begin(), hit.end());

@@ -138,7 +138,7 @@ void Impacts::begin_systems(const ContactKernelData& data, const Joints& joints)
     // The earliest first.
     joined_.clear();
     for (std::size_t i = begin; i < end; ++i) bodies_[number_[hits_[i].local]].waits = true;
-    for (std::size_t i = begin; i < end && joined_.size() < ImpactSystem::max_hit; ++i) {
+    for (std::size_t i = begin; i < end && joined_.size() < tuning::max_hit; ++i) {
       ImpactBody& body = bodies_[number_[hits_[i].local]];
       if (body.waits) joined_.push_back(body.member);
       body.waits = false;

@@ -127,10 +127,10 @@ struct RowLaw {
   /// -1 where the motor pulls backwards with all it has, 1 forwards, else 0; likewise friction.
   int motor_bound(double rate) const;
   int friction_bound(double rate) const;
+  /// The bound (-1 or 1) that a force of at most `max` is at if `wanted` is asked of it, else 0.
+  static int bound_at(double wanted, double max) { return wanted > max ? 1 : wanted < -max ? -1 : 0; }
 
  private:
-  // The bound (-1 or 1) that a force of at most `max` is at if `wanted` is asked of it, else 0.
-  static int bound_at(double wanted, double max) { return wanted > max ? 1 : wanted < -max ? -1 : 0; }
   double drive() const { return motor_slope > 0 ? motor_slope : stiffness; }
   double friction_drive() const { return friction_slope > 0 ? friction_slope : stiffness; }
 };

@@ -81,6 +81,7 @@ class SolverSelection {
   void find_motions(const LoadInput& input);
   void find_joined(const LoadInput& input, bool touched);
   void start_modes(const Islands& islands);
+  void begin_without_loads(const LoadInput& input);
   bool is_joined(std::size_t island) const;
   SolveMode mode_by_load(const LoadInput& input, std::size_t island);
   bool is_machine(const LoadInput& input, std::size_t island);

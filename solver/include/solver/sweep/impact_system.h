@@ -67,11 +67,8 @@ class ImpactSystem {
   /// Takes the bodies, `places` among all, on to the instant of their first impact, at velocities which keep the
   /// joints. `start`: s into the step, of the substep. Returns false, with nothing changed, if there are none.
   bool begin(const SolveInput& input, DirectJoints& joints, double start, double time, std::span<ImpactBody> bodies);
-  /// The most bodies of a system that a round hits; the others wait for the next. What they answer takes six solves
-  /// each, and memory by their square: 300 links that fall flat at once take 140 ms a step so, and 18 ms if each is hit
-  /// by itself.
-  static constexpr std::size_t max_hit = 32;
-  /// Starts a round of impacts that hit these bodies of it, in rising order, and maybe others before.
+  /// Starts a round of impacts that hit these bodies of it (at most tuning::max_hit), in rising order, and maybe others
+  /// before.
   void begin_round(std::vector<std::uint32_t>& hit, std::span<ImpactBody> bodies);
   /// Hands on to all its bodies what the hit ones have got in a round.
   void end_round(std::span<ImpactBody> bodies);
