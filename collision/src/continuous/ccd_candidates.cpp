@@ -61,10 +61,11 @@ void update_left_aabbs(const CcdStep& step, Broadphase& broadphase, jobs::Arena&
 }
 
 // True if two shapes provably don't meet in this step, by one of two bounds. Either they approach by so little that the
-// speculative margin covers it; or they were found apart, and have moved less than their gap since. The origins of
-// shapes move on a straight line, plus a bulge where the body's turning carries an offset shape along an arc. A point
-// that is farthest on a line from where it was is one of the ends, so both ends are tested.
-bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* first, const FastBody* second) {
+// speculative margin covers it; or they were found `apart`, in all parts, and have moved less than their gap since. The
+// origins of shapes move on a straight line, plus a bulge where the body's turning carries an offset shape along an
+// arc. A point that is farthest on a line from where it was is one of the ends, so both ends are tested.
+bool stay_apart(const CcdStep& step, const Contact& contact, bool apart, const FastBody* first,
+                const FastBody* second) {
   const ColliderTable& colliders = step.motions.colliders;
   const PoseView& poses = step.motions.poses;
   const auto shift_of = [](const FastBody* fast) -> Vector3 { return fast ? fast->shift : Vector3::Zero(); };
@@ -73,10 +74,10 @@ bool stay_apart(const CcdStep& step, const Contact& contact, const FastBody* fir
   const double closing = shift.norm() + (first ? first->turn : 0) + (second ? second->turn : 0);
   const auto [own, other] = contact.pair;
   const auto presses_on = [&](const FastBody* fast, std::uint32_t met) {
-    return fast && presses(*fast, contact.count > 0, colliders.shape[met].kind);
+    return fast && presses(*fast, !apart, colliders.shape[met].kind);
   };
   if (closing <= approach_share * size && !presses_on(first, other) && !presses_on(second, own)) return true;
-  if (!(contact.gap > 0)) return false;
+  if (!apart || !(contact.gap > 0)) return false;
 
   const Eigen::Map<const Vector3> from(contact.apart_from.data());
   double bulge = 0;
@@ -121,12 +122,12 @@ void CcdCandidates::find_by_contacts(const CcdStep& step, std::size_t begin, std
                found.fast_second, step.fast.size());
     const FastBody* first = fast(found.fast_first);
     const FastBody* second = fast(found.fast_second);
-    if (stay_apart(step, contact, first, second)) continue;
-    const auto [of_first, of_second] = contact.pair;
     bool apart = contact.count == 0;
     for (std::size_t part = found.entry + 1; part < order.size() && !is_first(part); ++part) {
       apart = apart && contacts[order[part]].count == 0;
     }
+    if (stay_apart(step, contact, apart, first, second)) continue;
+    const auto [of_first, of_second] = contact.pair;
     if (first) scratch.candidates.push_back({found.fast_first - 1, {of_first, of_second, apart}});
     if (second) scratch.candidates.push_back({found.fast_second - 1, {of_second, of_first, apart}});
   }
