@@ -40,24 +40,25 @@ inline unsigned code_of_normal(const std::array<float, 3>& normal) {
   return 0;
 }
 
-/// Tolerance and normal are one of a few values most of the time, and the material has no number. Returns whether the
-/// normal was told by that.
+/// Tolerance and normal are one of a few values most of the time, whether that is a face's is a bit, and the material
+/// has no number. Returns whether the normal was told by that.
 template <typename Archive, typename Contact>
 bool visit_tolerance_and_normal(Archive& archive, Contact& contact) {
   std::uint8_t kind = 0;
   if constexpr (!Archive::reads) {
     const auto tolerance = std::find(contact_tolerances.begin(), contact_tolerances.end(), contact.tolerance);
     kind = static_cast<std::uint8_t>((tolerance - contact_tolerances.begin()) | code_of_normal(contact.normal) << 2 |
-                                     (contact.material != 0) << 5);
+                                     (contact.material != 0) << 5 | contact.on_face << 6);
   }
   archive.value(kind);
   const unsigned tolerance = kind & 3;
   const unsigned normal = kind >> 2 & 7;
-  if ((kind >> 5) != 0) archive.value(contact.material);
-  archive.check(tolerance < contact_tolerances.size() && normal <= 6 && kind >> 6 == 0,
+  if ((kind >> 5 & 1) != 0) archive.value(contact.material);
+  archive.check(tolerance < contact_tolerances.size() && normal <= 6 && kind >> 7 == 0,
                 "a contact of no kind that there is");
   if constexpr (Archive::reads) {
     contact.set_tolerance(contact_tolerances[tolerance]);
+    contact.on_face = (kind >> 6 & 1) != 0;
     if (normal != 0) contact.normal = normal_of_code(normal);
   }
   return normal != 0;
@@ -127,6 +128,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
     contact.axis = 0;
     contact.material = 0;
     contact.set_tolerance(0);
+    contact.on_face = false;
     contact.gap = 0;
     collision::forget_impulses(manifold);
     if (rolling != nullptr) std::fill_n(rolling, 3, 0.0f);
@@ -143,6 +145,7 @@ void visit_contact(Archive& archive, Contact& contact, Manifold& manifold, Rolli
   bool normal_stored = false;
   if constexpr (Archive::hashes) {
     archive.value(contact.tolerance);
+    archive.value(static_cast<std::uint8_t>(contact.on_face));
     if (contact.material != 0) archive.value(contact.material);
   } else {
     normal_stored = visit_tolerance_and_normal(archive, contact);

@@ -17,7 +17,7 @@
 namespace atl {
 
 /// The version is of all that follows, the state as in snapshot.cpp included.
-inline constexpr FileHeader recording_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'}, .version = 22};
+inline constexpr FileHeader recording_header = {.magic = {'A', 'T', 'O', 'L', 'L', 'R', 'E', 'C'}, .version = 23};
 
 enum class RecordKind : std::uint32_t {
   Begin = 1,  ///< whose recording it is

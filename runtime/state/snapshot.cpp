@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Header {
-  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 21};
+  FileHeader begin = {.magic = {'A', 'T', 'O', 'L', 'L', 'S', 'N', 'P'}, .version = 22};
   std::uint64_t length = 0;    // bytes that follow the header
   std::uint64_t checksum = 0;  // of these
 };

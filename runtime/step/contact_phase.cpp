@@ -1,5 +1,6 @@
 #include "step/contact_phase.h"
 
+#include <collision/continuous/find_meeting.h>
 #include <jobs/assert.h>
 
 #include <algorithm>
@@ -271,8 +272,16 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   undo_modified(world);
   write_reaches(world, step.arena);
   world.cache.rises.resize(world.contents.surfaces > 0 ? world.cache.contacts.size() : 0);
-  collision::update_contacts(world.cache, world.broadphase, contact_input(world, step.narrowphase_kernels), step.arena,
-                             update_);
+  const auto is_joined = [&](std::uint32_t body) {
+    bool any = false;
+    world.joints.for_each_of(body, [&](std::uint32_t joint) { any |= world.joints.acts[joint] != 0; });
+    return any;
+  };
+  const collision::MotionAhead ahead = {world.bodies.angular_velocities.data(), world.clock.dt, is_joined,
+                                        collision::find_meeting};
+  collision::ContactUpdateInput input = contact_input(world, step.narrowphase_kernels);
+  input.ahead = &ahead;
+  collision::update_contacts(world.cache, world.broadphase, input, step.arena, update_);
   world.broadphase.forget_moves();
   std::swap(parts_off_, parts_off_before_);
   std::swap(other_kinds_, other_kinds_before_);

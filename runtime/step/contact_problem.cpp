@@ -45,9 +45,8 @@ ContactProblem contact_problem(const Stores& world, std::span<const solver::Touc
     const collision::ContactManifold& manifold = world.cache.manifolds[pair.slot];
     const solver::ContactCapture::Answer& answer = capture.answers[pair.slot];
     // Makes the axes orthonormal in double precision, since the solver's are so in single precision only.
-    const Vector3 normal = (answer.planar ? vector(answer.normal) : vector(manifold.normal)).normalized();
-    const Vector3 first_tangent =
-        answer.planar ? vector(answer.tangent) : vector(collision::tangents(manifold.normal).first);
+    const Vector3 normal = vector(answer.normal).normalized();
+    const Vector3 first_tangent = vector(answer.tangent);
     const Vector3 tangent = (first_tangent - normal.dot(first_tangent) * normal).normalized();
     const Vector3 friction = vector(answer.friction_impulse);
     ContactProblem::Patch patch{.first = place_of(pair.first),

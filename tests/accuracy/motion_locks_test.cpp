@@ -354,6 +354,23 @@ TEST(MotionLocks, WallsAcrossThePlaneHoldNothing) {
   EXPECT_NEAR(world.velocity(id).z(), -g, 1e-3);
 }
 
+// The plane of a face turns with that, but what pushes on a planar body stays in its plane.
+TEST(MotionLocks, FacesThatTurnPushNothingOutOfItsPlane) {
+  for (const int substeps : {1, 4}) {
+    World world({.gravity = Vector3::Zero(), .settings = {.substeps = substeps, .sleeping = false}});
+    const BodyId plate = world.add_body({.shape = Box{{1, 1, 0.1}}, .angular_velocity = {2, 0.5, 0}, .density = 1000});
+    const BodyId planar = world.add_body({.shape = Box{{0.2, 0.2, 0.2}},
+                                          .position = {0.3, 0, 0.31},
+                                          .velocity = {0, 0, -1},
+                                          .locks = in_plane});
+    for (int step = 0; step < 20; ++step) {
+      world.step(dt);
+      ASSERT_EQ(world.velocity(planar).y(), 0) << substeps << ' ' << step;
+    }
+    EXPECT_GT(world.velocity(plate).norm(), 0) << substeps;  // they have met
+  }
+}
+
 TEST(MotionLocks, FastBodiesStopAtWallsWithoutLeavingTheirPlane) {
   World world;
   world.add_body(static_box({10, 0, 0}, {0.05, 5, 5}));

@@ -331,7 +331,7 @@ TEST(Replay, RefusesWhatIsNoRecordingOrDamaged) {
     expect_error([&] { replay(file.path()); }, words);
   };
   expect_refusal(8, 1, {"byte order", "expected"});
-  expect_refusal(12, 99, {"found version 99", "expected 22"});
+  expect_refusal(12, 99, {"found version 99", "expected 23"});
   file.set_content(whole + "x");
   expect_error([&] { replay(file.path()); }, {"1 bytes after the end"});
   file.set_content(whole);

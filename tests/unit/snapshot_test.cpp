@@ -354,7 +354,7 @@ TEST(SnapshotFile, SaysWhyItCannotBeReadOrWritten) {
     expect_error([&] { Snapshot::read(file.path()); }, words);
   };
   expect_refusal(8, 1, {"byte order", "0x1020301", "expected", "0x1020304"});
-  expect_refusal(12, 99, {"found version 99", "expected 21"});
+  expect_refusal(12, 99, {"found version 99", "expected 22"});
   expect_refusal(whole.size() - 1, static_cast<char>(whole.back() + 1), {"checksum", "expected", "damaged"});
 }
 

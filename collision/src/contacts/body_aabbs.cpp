@@ -1,5 +1,6 @@
 #include <collision/broadphase/fat_box.h>
 #include <collision/contacts/body_aabbs.h>
+#include <collision/contacts/meeting.h>
 #include <collision/contacts/refresh.h>
 #include <jobs/assert.h>
 #include <jobs/scratch.h>
@@ -29,6 +30,16 @@ double size_of(const Shape& shape) {
 }
 
 Vector3 row(const double* rows, std::uint32_t body) { return Eigen::Map<const Vector3>(rows + 3 * body); }
+
+// Around bounds and others.
+Bounds around(const Bounds& a, const Bounds& b) { return {a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)}; }
+
+// The pose of a body after some time (s) at its speed.
+Pose pose_after(double time, const Pose& pose, const Vector3& velocity, const Vector3& spin) {
+  const Vector3 half = 0.5 * time * spin;
+  const Quaternion turn = Quaternion(1, half.x(), half.y(), half.z()).normalized();
+  return {pose.position + time * velocity, turn * pose.orientation};
+}
 
 // The distance by which bounds may grow on every side and stay in a box. Negative if they are not in it.
 double room_in(const Aabb& box, const Bounds& bounds) {
@@ -190,12 +201,21 @@ BodyAabbs::Update BodyAabbs::look_at(std::uint32_t collider, const Aabb* current
 
   const double room = current ? room_in(*current, now) : -1;
   const bool is_fast = reach > bounds.margin_limit[body];
-  if (current != nullptr && room >= needed &&
-      (!is_fast || room_in(*current, {now.lower + shift, now.upper + shift}) >= still)) {
+  // Where it will be is looked for as far ahead as contacts are.
+  const Bounds then =
+      is_fast
+          ? around(now, motions.bounds_at(
+                            collider, placed(pose_after(steps_ahead * motions.dt, motions.poses[body], velocity, spin),
+                                             colliders.local[collider])))
+          : now;
+  if (current != nullptr && room >= needed && (!is_fast || room_in(*current, then) >= still)) {
     return {*current, room - still, false};
   }
   const double margin = needed + margin_room * size;
-  return {fattened(now, margin, shift), margin - still, true};
+  const Aabb fat = fattened(now, margin, shift);
+  if (!is_fast) return {fat, margin - still, true};
+  const Vector3 more = Vector3::Constant(margin);
+  return {fat.joined(Aabb::around(then.lower - more, then.upper + more)), margin - still, true};
 }
 
 double BodyAabbs::swept_margin(std::uint32_t body, const BodyMotions& motions) const {

@@ -20,6 +20,7 @@ void store_features(Contact& contact, const Manifold& manifold, const Pose& inci
   ATL_ASSERT(!(margin < 0), margin);
   ATL_ASSERT(!(tolerance < 0), tolerance);
   contact.reference_is_second = manifold.reference_is_second;
+  contact.on_face = manifold.on_face;
   contact.axis = manifold.axis;
   contact.count = static_cast<std::uint8_t>(manifold.count);
   contact.material = manifold.material;

@@ -3,16 +3,12 @@
 #include <jobs/assert.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "contacts/pair_motion.h"
 
 namespace atl::collision {
 namespace {
-
-// Faster than any body: for the largest margin.
-constexpr double any_approach = std::numeric_limits<double>::infinity();
 
 // True if two solids that were found apart still are, whatever their features. The gap shrinks at most by how far their
 // origins have moved against each other since, and by a radius times how far the bodies have turned.
@@ -22,7 +18,7 @@ bool still_apart(const Contact& contact, const ContactUpdateInput& input) {
   const double turned = turned_by_both(contact, input) - contact.turned;
   ATL_ASSERT(!(turned < 0), contact.pair.first, contact.pair.second, turned);
   const double left = static_cast<double>(contact.gap) - moved - static_cast<double>(contact.radius) * turned;
-  return left > speculative_margin(static_cast<double>(contact.size), any_approach) || left > margin_of(contact, input);
+  return left > range_of(contact, input);
 }
 
 // A pair's parts stay together: they belong to the chunk in which they begin.

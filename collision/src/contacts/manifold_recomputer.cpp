@@ -210,6 +210,23 @@ void ManifoldRecomputer::set_apart(std::size_t entry, double margin, double gap,
   range_.status[entry] = ContactStatus::Apart;
 }
 
+// Gives two solids that were found apart the contact with which they will meet, if that is farther off than the margin.
+bool ManifoldRecomputer::meet_ahead(std::size_t entry, double margin, double gap) {
+  const Contact& contact = range_.contact(entry);
+  const double range = range_of(contact, input_);
+  if (!(range > margin) || gap > range) return false;
+  const bool bounces = range_.manifold(entry).restitution > 0;
+  const std::optional<Meeting> meeting = input_.ahead->find_meeting(contact, bounces, input_, margin);
+  if (!meeting) return false;
+  count_source(meeting->by);
+  replace(entry, meeting->manifold, meeting->incident, margin);
+  refresh_replaced();
+  ContactManifold& stored = range_.manifold(entry);
+  float(&anchor)[3] = meeting->manifold.reference_is_second ? stored.anchor_second : stored.anchor_first;
+  for (int i = 0; i < 3; ++i) anchor[i] -= static_cast<float>(meeting->slip[i]);
+  return true;
+}
+
 void ManifoldRecomputer::count_source(Narrowphase source) {
   range_.counts.fcl_calls += asks_fcl(source);
   range_.counts.fcl_repairs += source == Narrowphase::Repaired;
@@ -233,14 +250,14 @@ void ManifoldRecomputer::recompute(std::size_t entry) {
   Manifold manifold = manifold_after_last(contact, swap);
   if (bounded && !manifold.known) {
     const double gap = centre_line(lower, {Vector3::Zero(), Quaternion::Identity()}, higher, in_lower).gap;
-    if (gap > margin) {
+    if (gap > range_of(contact, input_)) {
       set_apart(entry, margin, gap, radius_of(input_, pair));
       return;
     }
   }
   count_source(collide(lower, higher, in_lower, margin, manifold));
   if (manifold.count == 0 && bounded) {
-    set_apart(entry, margin, manifold.gap, radius_of(input_, pair));
+    if (!meet_ahead(entry, margin, manifold.gap)) set_apart(entry, margin, manifold.gap, radius_of(input_, pair));
     return;
   }
   if (manifold.count > 0 && higher.kind == ShapeKind::Sphere && !contact.has_local_offset) {
@@ -286,7 +303,9 @@ void ManifoldRecomputer::recompute_boxes() {
     count_source(collide_boxes(shapes[contact.pair.first].half_extents, shapes[contact.pair.second].half_extents,
                                box_axes_, lane, margin, manifold));
     if (manifold.count == 0) {
-      set_apart(entry, margin, manifold.gap, radius_of(input_, contact.pair));
+      if (!meet_ahead(entry, margin, manifold.gap)) {
+        set_apart(entry, margin, manifold.gap, radius_of(input_, contact.pair));
+      }
     } else {
       replace(entry, manifold, incident_in_reference(box_axes_, lane, manifold.reference_is_second), margin);
     }

@@ -26,6 +26,7 @@ class ManifoldRecomputer {
   void replace(std::size_t entry, const Manifold& manifold, const Pose& incident, double margin);
   void refresh_replaced();
   void set_apart(std::size_t entry, double margin, double gap, double radius);
+  bool meet_ahead(std::size_t entry, double margin, double gap);
   bool set_surface_apart(std::size_t entry, double margin, double gap, double radius);
   void fill_box_lane(const Contact& contact, std::size_t lane);
   void count_source(Narrowphase source);

@@ -2,6 +2,7 @@
 
 // The relative pose and motion of the two shapes of a contact in a step.
 
+#include <collision/contacts/meeting.h>
 #include <collision/contacts/update_contacts.h>
 
 namespace atl::collision {
@@ -27,11 +28,24 @@ inline double turned_by_both(const Contact& contact, const ContactUpdateInput& i
   return input.turned[contact.body_first] + input.turned[contact.body_second];
 }
 
+// m: how much nearer the two get in this step at most.
+inline double approach_of(const Contact& contact, const ContactUpdateInput& input) {
+  const float turn = input.reaches[contact.body_first].turn + input.reaches[contact.body_second].turn;
+  return shift_between(contact, input).norm() + static_cast<double>(turn);
+}
+
 // m, the speculative margin.
 inline double margin_of(const Contact& contact, const ContactUpdateInput& input) {
-  const float turn = input.reaches[contact.body_first].turn + input.reaches[contact.body_second].turn;
-  return speculative_margin(static_cast<double>(contact.size),
-                            shift_between(contact, input).norm() + static_cast<double>(turn));
+  return speculative_margin(static_cast<double>(contact.size), approach_of(contact, input));
+}
+
+// m: how far apart two solids may be to be looked at for points. Beyond the speculative margin these are of where the
+// two will meet.
+inline double range_of(const Contact& contact, const ContactUpdateInput& input) {
+  const double size = contact.size;
+  const double approach = approach_of(contact, input);
+  return input.ahead != nullptr && approach > approach_share * size ? margin_share * size + steps_ahead * approach
+                                                                    : speculative_margin(size, approach);
 }
 
 }  // namespace atl::collision

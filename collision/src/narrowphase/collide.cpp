@@ -112,6 +112,7 @@ Narrowphase collide_sphere_box(double radius, const Vector3& half_extents, const
   }
   manifold.reference_is_second = true;
   manifold.normal = -axis.normal;
+  manifold.on_face = axis.normal.cwiseAbs().maxCoeff() == 1;
   manifold.add(centre + radius * axis.normal, axis.separation, single_point_id());
   return by;
 }

@@ -151,6 +151,7 @@ void face_manifold(const BoxPair& first_is_reference, const FaceAxis& axis, doub
   }
   manifold.reference_is_second = axis.of_second();
   manifold.normal = side * Vector3::Unit(n);
+  manifold.on_face = true;
   manifold.axis = axis.packed();
   reduce_points(points.data(), count, manifold);
 }
@@ -178,6 +179,7 @@ void edge_manifold(const BoxPair& pair, const fcl_narrowphase::Axis& axis, doubl
   const double separation = normal.dot(position - opposite);
   manifold.reference_is_second = false;
   manifold.normal = normal;
+  manifold.on_face = false;
   manifold.axis = edge_axis(axis.code);
   if (separation > margin) return;
   manifold.add(position, separation, edge_edge_id(static_cast<int>(i), first.sides, static_cast<int>(j), second.sides));

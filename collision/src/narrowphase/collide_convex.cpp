@@ -181,6 +181,7 @@ void face_manifold(const Solids& solids, const Reference& reference, const Local
   manifold.reference_is_second = second;
   manifold.count = 0;
   face_points(outline, face, incident_face, margin, manifold);
+  manifold.on_face = true;
   manifold.axis = reference.packed();
 }
 
@@ -494,6 +495,7 @@ Narrowphase collide_convex(const Shape& first_shape, const Shape& second_shape, 
     }
   }
   if (face_contact(solids, axis, margin, previous, manifold)) return found.by;
+  manifold.on_face = false;
   manifold.axis = settled ? packed_features(axis) : edges_of(solids, axis);
   if (!line_manifold(solids, axis, margin, manifold)) point_manifold(solids, axis, manifold);
   return found.by;

@@ -41,6 +41,7 @@ void collide_half_space(const Shape& solid_shape, const Shape& half_space, const
   manifold.axis = 0;
   manifold.reference_is_second = true;
   manifold.normal = half_space.normal;
+  manifold.on_face = true;
   const Matrix3 rotation = second.orientation.conjugate().toRotationMatrix();
   const Vector3 centre = rotation * -second.position;
   const Vector3 down = -(rotation.transpose() * half_space.normal);

@@ -85,10 +85,10 @@ struct BodyDef {
   CollisionFilter filter = {};
   /// Looks for what the body may have passed through after every step in which it moved at all. Without it that is
   /// done in steps in which it moved farther than three quarters of its inner radius. It ends the step where it first
-  /// met something; what it touched already it slides along. Bodies that joints connect end it together, all where they
-  /// were at that time, so that no joint is torn; as that costs all of them the rest of the step, one that doesn't ask
-  /// for it by this is stopped only by what would get deeper into it than half its inner radius. In a build without
-  /// ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
+  /// met something that no contact had foreseen; what it touched already it slides along. Bodies that joints connect
+  /// end it together, all where they were at that time, so that no joint is torn; as that costs all of them the rest of
+  /// the step, one that doesn't ask for it by this is stopped only by what would get deeper into it than half its inner
+  /// radius. In a build without ATOLL_WITH_CONTINUOUS nothing is swept, and true throws.
   bool continuous = false;
   /// Touches nothing, and tells which bodies are in it instead: World::sensor_events() and World::bodies_in(). Its
   /// shape is a solid. Queries pass it by unless they ask for sensors. One that is `continuous` also tells of what is

@@ -17,7 +17,7 @@ namespace {
 // Part of a bound from which on an impulse counts as at the bound: 1 less the rounding of single precision.
 constexpr double at_bound = 1 - 1e-6;
 
-// The contact's frame, and its places on its bodies.
+// The contact's frame, and its places on its bodies. The plane of a face has turned with that half way.
 void load_frame(const SolveInput& input, const std::vector<DirectBody>& bodies, bool half_way, DirectContact& contact) {
   const collision::ContactManifold& manifold = input.manifolds[contact.slot];
   const collision::Tangents tangents = collision::tangents(manifold.normal);
@@ -28,6 +28,13 @@ void load_frame(const SolveInput& input, const std::vector<DirectBody>& bodies, 
   contact.axes = {normal, tangent, normal.cross(tangent)};
   ATL_ASSERT(!(std::abs(contact.axes[2].squaredNorm() - 1) > 1e-9), contact.slot, contact.axes[2].norm());
   place_sides(input, bodies, half_way, contact);
+  const collision::Contact& of = input.contacts[contact.slot];
+  if (!half_way || !of.on_face) return;
+  const std::uint32_t body = of.reference_is_second ? contact.second_body : contact.first_body;
+  const std::uint32_t local = of.reference_is_second ? contact.second : contact.first;
+  const Vector3 turn = local == no_body ? half_turn(input.bodies, body, input.dt) : bodies[local].half_turn;
+  const Quaternion swing = rotation_by(turn - turn.dot(normal) * normal);
+  for (Vector3& axis : contact.axes) axis = swing * axis;
 }
 
 // 1/kg and the like: how a contact's bodies answer impulses.

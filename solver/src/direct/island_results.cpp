@@ -30,6 +30,11 @@ void capture_contacts(ContactCapture& capture, const collision::ContactManifold*
     const collision::ContactManifold& manifold = manifolds[contact.slot];
     ContactCapture::Answer& answer = capture.answers[contact.slot];
     answer.planar = false;
+    // Its points are along the manifold's tangents, as far as the plane has turned.
+    const Vector3 &normal = contact.axes[0], first_normal = get3(manifold.normal).normalized();
+    const Vector3 first_tangent = get3(collision::tangents(manifold.normal).first), turn = first_normal.cross(normal);
+    const Vector3 moved = turn.cross(first_tangent);
+    const Vector3 tangent = first_tangent + moved + turn.cross(moved) / (1 + first_normal.dot(normal));
     answer.step = step;
     int point = 0;
     for (std::size_t i = 0; i < collision::max_points; ++i) {
@@ -40,6 +45,8 @@ void capture_contacts(ContactCapture& capture, const collision::ContactManifold*
     const Vector3 friction = contact.in_plane(contact.lasting.friction);
     const Vector3 rolling = contact.in_plane(contact.lasting.rolling);
     for (int k = 0; k < 3; ++k) {
+      answer.normal[k] = static_cast<float>(normal[k]);
+      answer.tangent[k] = static_cast<float>(tangent[k]);
       answer.anchor_first[k] = static_cast<float>(contact.arm_first[k]);
       answer.anchor_second[k] = static_cast<float>(contact.arm_second[k]);
       answer.friction_impulse[k] = static_cast<float>(friction[k]);

@@ -263,6 +263,17 @@ HWY_NOINLINE void roll_half_way(const SolverBodies& bodies, TurningBlock& turnin
   take(c.second, rims.rim_second, rims.axis_second, turning.pivot_second, c.anchor_second);
 }
 
+// Turns the planes of faces as far as these turn in half of the step: what slides along one that lagged would get into
+// it, by half of the way that it slides times the turn. What stays in a plane of its bodies has its normal in that.
+HWY_INLINE void turn_planes(const TurningBlock& turning, std::size_t lane, M in_plane, ContactLanes<>& c) {
+  const V3 turn = load3(turning.plane_turn, lane);
+  const M turns = hn::AndNot(in_plane, hn::Gt(dot(turn, turn), zero()));
+  if (hn::AllFalse(D(), turns)) return;
+  c.normal = select(turns, turned_arm(turn, c.normal), c.normal);
+  c.tangent1 = select(turns, turned_arm(turn, c.tangent1), c.tangent1);
+  c.tangent2 = select(turns, cross(c.normal, c.tangent1), c.tangent2);
+}
+
 // The same of all contacts.
 HWY_INLINE void take_half_way(const SolverBodies& bodies, TurningBlock& turning, const RimBlock* rims, std::size_t lane,
                               ContactLanes<>& c, ManifoldLanes& m) {
@@ -405,6 +416,7 @@ HWY_INLINE void prepare_lanes(const ContactKernelData& data, std::size_t b, std:
   put_on_surfaces(m, c);
   if (data.turning_blocks != nullptr) {
     take_half_way(data.bodies, data.turning_blocks[b], block.traits.rims ? &data.rim_blocks[b] : nullptr, lane, c, m);
+    turn_planes(data.turning_blocks[b], lane, in_plane.planar, c);
   }
   store_geometry(block, lane, c, m);
   store_start(block, lane, c);

@@ -10,6 +10,25 @@
 #include "integrate/rows3.h"
 
 namespace atl::solver {
+namespace {
+
+// The plane of a contact turns with the face that it is of.
+void find_plane_turns(const SolveInput& input, const SolverBodies& bodies, const ContactBlock& block,
+                      TurningBlock& turning) {
+  for (std::size_t lane = 0; lane < block_lanes; ++lane) {
+    const ShapeRows& first = bodies.shape[static_cast<std::size_t>(block.first[lane])];
+    const ShapeRows& second = bodies.shape[static_cast<std::size_t>(block.second[lane])];
+    static constexpr float none[3] = {0, 0, 0};
+    const float* turn = none;
+    if (block.slot[lane] >= 0 && (first.kind > 0 || second.kind > 0)) {
+      const collision::Contact& contact = input.contacts[block.slot[lane]];
+      if (contact.on_face) turn = contact.reference_is_second ? second.half_turn : first.half_turn;
+    }
+    for (int k = 0; k < 3; ++k) turning.plane_turn[k][lane] = turn[k];
+  }
+}
+
+}  // namespace
 
 void GroupContacts::collect(const SolveInput& input, const IslandGroup& group, const GroupBodies& bodies) {
   contacts_.clear();
@@ -64,6 +83,7 @@ void GroupContacts::find_rims(const SolveInput& input, const SolverBodies& bodie
   for (std::size_t b = begin; b < end; ++b) {
     ContactBlock& block = blocks_[b];
     block.traits.rims = false;
+    if (!bodies.shape.empty()) find_plane_turns(input, bodies, block, turning_blocks_[b]);
     if (!bodies.roll) continue;
     constexpr std::size_t ahead = 2;
     if (b + ahead < end) {

@@ -68,29 +68,28 @@ void capture_answers(const SolveInput& input, const GroupParts& parts, const Gro
         answer.anchor_first[i] = block.anchor_first[i][lane];
         answer.anchor_second[i] = block.anchor_second[i][lane];
       }
-      const float normal[3] = {block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]};
-      collision::Tangents t = collision::tangents(normal);
       answer.planar = !rows.locks.empty() && parts.contacts.planar_blocks()[b].planar[lane] > 0;
-      if (answer.planar) {
+      const std::array<float, 3>& normal = answer.normal;
+      const std::array<float, 3>& tangent = answer.tangent;
+      for (std::size_t i = 0; i < 3; ++i) {
+        answer.normal[i] = block.normal[i][lane];
+        answer.tangent[i] = block.tangent[i][lane];
+      }
+      for (std::size_t i = 0; i < 2; ++i) answer.x[i] = block.x[i][lane];
+      const auto along_tangents = [&](float first, float second) {
+        std::array<float, 3> sum;
         for (std::size_t i = 0; i < 3; ++i) {
           const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-          answer.normal[i] = normal[i];
-          answer.tangent[i] = t.first[i] = block.tangent[i][lane];
-          t.second[i] = normal[j] * block.tangent[k][lane] - normal[k] * block.tangent[j][lane];
+          sum[i] = first * tangent[i] + second * (normal[j] * tangent[k] - normal[k] * tangent[j]);
         }
-        for (std::size_t i = 0; i < 2; ++i) answer.x[i] = block.x[i][lane];
-      }
-      for (std::size_t i = 0; i < 3; ++i) {
-        answer.friction_impulse[i] =
-            block.friction_impulse[0][lane] * t.first[i] + block.friction_impulse[1][lane] * t.second[i];
-      }
+        return sum;
+      };
+      answer.friction_impulse = along_tangents(block.friction_impulse[0][lane], block.friction_impulse[1][lane]);
       answer.torsional_impulse = block.torsional_impulse[lane];
       answer.rolling_impulse = {0, 0, 0};
       if (!report.surfaces) continue;
       const auto& rolling = parts.contacts.surface_blocks()[b].rolling_impulse;
-      for (std::size_t i = 0; i < 3; ++i) {
-        answer.rolling_impulse[i] = rolling[0][lane] * t.first[i] + rolling[1][lane] * t.second[i];
-      }
+      answer.rolling_impulse = along_tangents(rolling[0][lane], rolling[1][lane]);
     }
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {

@@ -68,6 +68,7 @@ struct alignas(64) Contact {
   std::uint8_t part = 0;
   bool has_local_offset : 1 = false;  ///< a shape of it isn't at its body's centre of mass, or turned
   bool recycles : 1 = false;          ///< its tolerance isn't 0
+  bool on_face : 1 = false;           ///< see Manifold
   /// A lower bound (m) of the distance between two solids that were found apart, else 0. The next three members say
   /// where the solids were at that time.
   float gap = 0;

@@ -5,14 +5,29 @@
 #include <collision/contacts/narrowphase_kernels.h>
 #include <collision/contacts/touching_pair.h>
 #include <collision/shapes/collider_table.h>
+#include <collision/shapes/function_ref.h>
 #include <jobs/arena.h>
 #include <jobs/arrays.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace atl::collision {
+
+struct ContactUpdateInput;
+struct Meeting;
+
+/// How bodies move on at the speeds that they have.
+struct MotionAhead {
+  const double* angular_velocities;            ///< 3 a body, rad/s
+  double dt;                                   ///< s, of this step
+  FunctionRef<bool(std::uint32_t)> is_joined;  ///< joints act on a body, so that its speed doesn't say where it goes
+  /// The function of that name, which sweeps solids: what does so is above contacts.
+  std::optional<Meeting> (*find_meeting)(const Contact& contact, bool bounces, const ContactUpdateInput& input,
+                                         double margin);
+};
 
 struct ContactUpdateInput {
   const ColliderTable& colliders;
@@ -25,6 +40,7 @@ struct ContactUpdateInput {
   std::span<const double> turned;
   std::span<const StepReach> reaches;  ///< by body: in this step, at its present velocity
   const NarrowphaseKernels& kernels;
+  const MotionAhead* ahead = nullptr;  ///< without it contacts beyond the speculative margin are not looked for
 };
 
 /// More than any gap allows for.

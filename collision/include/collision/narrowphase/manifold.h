@@ -34,6 +34,7 @@ struct Manifold {
 
   bool reference_is_second = false;
   Vector3 normal = Vector3::UnitZ();  ///< unit, out of the reference shape
+  bool on_face = false;               ///< it is the normal of a flat face of the reference, and turns with that
   std::uint32_t axis = 0;             ///< the axis the normal was found on; 0: none
   bool known = false;                 ///< on entry to collide(), as the next: see there
   Vector3 middle = Vector3::Zero();   ///< m, of the last manifold's points

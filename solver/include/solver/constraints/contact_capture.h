@@ -19,12 +19,12 @@ struct ContactCapture {
     std::array<float, 3> friction_impulse;
     float torsional_impulse;                           ///< N m s
     std::array<float, 3> rolling_impulse = {0, 0, 0};  ///< N m s
+    std::array<float, 3> normal;                       ///< as it was solved: the planes of faces turn
+    std::array<float, 3> tangent;                      ///< the first
     /// True if it was solved in the plane that its bodies stay in, with two points on the tangent, and not by its
     /// manifold.
     bool planar = false;
-    std::array<float, 3> normal;
-    std::array<float, 3> tangent;
-    std::array<float, 2> x;  ///< m
+    std::array<float, 2> x;  ///< m, of these
   };
   struct Motion {
     Vector3 free_velocity;  ///< after forces, before contact impulses

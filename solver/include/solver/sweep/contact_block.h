@@ -122,9 +122,10 @@ struct alignas(64) PlanarBlock {
   float point[2][block_lanes];  ///< which of the manifold's points they are; -1 if there is none
 };
 
-/// The pivots of a block's contacts as the step begins (ContactArm), kept if bodies of its group turn. Without rims
-/// they are where the contacts are.
+/// The pivots of a block's contacts as the step begins (ContactArm), and how far their planes turn in half of it, kept
+/// if bodies of its group turn. Without rims the pivots are where the contacts are.
 struct alignas(64) TurningBlock {
+  float plane_turn[3][block_lanes];   ///< rad
   float pivot_first[3][block_lanes];  ///< m, from the body's centre of mass
   float pivot_second[3][block_lanes];
 };

@@ -36,7 +36,8 @@ class GroupContacts {
   /// apart are kept separate from those that last. `joined` may be empty: see ContactKernelData.
   ContactKernelData kernel_data(const SolveInput& input, const GroupReport& report, const SubstepConstants& constants,
                                 bool splits, SolverBodies& bodies, std::span<const std::uint8_t> joined);
-  /// Finds the rims of contacts as the step begins. Bodies are loaded, and kernel_data() has been asked for.
+  /// Finds the rims of contacts as the step begins, and how their planes turn. Bodies are loaded, and kernel_data() has
+  /// been asked for.
   void find_rims(const SolveInput& input, const SolverBodies& bodies, std::size_t begin, std::size_t end);
   void clear_impulses(const GroupReport& report);
   void clear_split_impulses();
