@@ -1,6 +1,7 @@
 #include "step/contact_phase.h"
 
 #include <collision/continuous/find_meeting.h>
+#include <features/with_continuous.h>
 #include <jobs/assert.h>
 
 #include <algorithm>
@@ -280,7 +281,7 @@ void ContactPhase::update(Stores& world, const StepContext& step) {
   const collision::MotionAhead ahead = {world.bodies.angular_velocities.data(), world.clock.dt, is_joined,
                                         collision::find_meeting};
   collision::ContactUpdateInput input = contact_input(world, step.narrowphase_kernels);
-  input.ahead = &ahead;
+  if constexpr (with_continuous) input.ahead = &ahead;
   collision::update_contacts(world.cache, world.broadphase, input, step.arena, update_);
   world.broadphase.forget_moves();
   std::swap(parts_off_, parts_off_before_);
