@@ -31,7 +31,7 @@ double size_of(const Shape& shape) {
 
 Vector3 row(const double* rows, std::uint32_t body) { return Eigen::Map<const Vector3>(rows + 3 * body); }
 
-// Around bounds and others.
+// The bounds of two together.
 Bounds around(const Bounds& a, const Bounds& b) { return {a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)}; }
 
 // The pose of a body after some time (s) at its speed.
@@ -201,7 +201,7 @@ BodyAabbs::Update BodyAabbs::look_at(std::uint32_t collider, const Aabb* current
 
   const double room = current ? room_in(*current, now) : -1;
   const bool is_fast = reach > bounds.margin_limit[body];
-  // Where it will be is looked for as far ahead as contacts are.
+  // The box reaches as far ahead as contacts do, or nothing would find the pair that is to meet.
   const Bounds then =
       is_fast
           ? around(now, motions.bounds_at(

@@ -28,10 +28,10 @@ Motion motion_ahead(std::uint32_t collider, const ContactUpdateInput& input) {
 std::optional<Meeting> find_meeting(const Contact& contact, bool bounces, const ContactUpdateInput& input,
                                     double margin) {
   if (input.ahead->is_joined(contact.body_first) || input.ahead->is_joined(contact.body_second)) return std::nullopt;
-  // What stands still passes no blow on, and inner edges of it are told by contacts that are near.
+  // A blow ends at a body that stands still, and inner edges of that body are told by contacts that are near.
   if (input.mobility[contact.body_first] == 0 || input.mobility[contact.body_second] == 0) return std::nullopt;
-  // What bounces is hit as it lies when it gets there: of elastic plates that spin at 8 rad/s contacts that foresee it
-  // take up to 19% of the energy in one substep, or give as much.
+  // An elastic impact keeps its energy only at the places where bodies are then: plates that spin at 8 rad/s lose up to
+  // 19% of theirs in one substep by foreseen contacts, or gain as much.
   const double turns = static_cast<double>(input.reaches[contact.body_first].turn) +
                        static_cast<double>(input.reaches[contact.body_second].turn);
   const double size = contact.size;
@@ -71,7 +71,7 @@ std::optional<Meeting> find_meeting(const Contact& contact, bool bounces, const 
     apart += (point.position - on_reference) / manifold.count;
   }
   manifold.normal = normal;
-  manifold.on_face = false;  // it is where it will be
+  manifold.on_face = false;  // the normal has been turned to where it will be
   meeting.slip = now.orientation * (apart - normal.dot(apart) * normal);
   return meeting;
 }
